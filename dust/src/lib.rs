@@ -1,0 +1,5 @@
+//! Dust: superparticles, each standing for a swarm of equal grains.
+
+pub mod superparticles;
+
+pub use superparticles::{Derived, Dust, Rates, Superparticles};

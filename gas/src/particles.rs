@@ -1,0 +1,148 @@
+//! Gas particles: state, what is derived from it, and the rates of the last sweep.
+//!
+//! A step of particle i is kick-drift-kick. Pair forces act with the shorter step of the pair: the force sweep at a tick yields the
+//! impulses that close the steps ending now (`dv_close`) and those that open the steps beginning now (`dv_open`), for active particles
+//! and for inactive ones with an active neighbour, so that momentum is exchanged pair by pair whatever the steps are. Between its ticks
+//! a particle is seen through its prediction (`v_pred`, `u_pred`, `h`, `rho`).
+
+use nbody::columns;
+use nbody::points::sort::{Cube, Curve};
+use nbody::points::{Columns, Dimension, Label, Scratch, Tree};
+
+columns! {
+    /// State of gas particles, code units.
+    pub struct Particles {
+        /// identity
+        id: Integer = Label::snapshot("ParticleIDs", Dimension::NONE, "identity"),
+        /// position
+        x: Vector = Label::snapshot("Coordinates", Dimension::LENGTH, "position"),
+        /// velocity, kicked to the middle of the step
+        v: Vector = Label::snapshot("Velocities", Dimension::VELOCITY, "velocity"),
+        /// mass
+        m: Real = Label::snapshot("Masses", Dimension::MASS, "mass"),
+        /// specific internal energy, kicked to the middle of the step
+        u: Real = Label::snapshot("InternalEnergies", Dimension::SPECIFIC_ENERGY, "specific internal energy"),
+        /// smoothing length: twice the standard deviation of the kernel (Dehnen & Aly 2012)
+        h: Real = Label::snapshot("SmoothingLengths", Dimension::LENGTH, "smoothing length, twice the standard deviation of the kernel"),
+        /// viscosity parameter alpha
+        alpha: Real = Label::snapshot("ViscosityParameters", Dimension::NONE, "viscosity parameter alpha"),
+        /// tick at which the present step began
+        begin: Short = Label::checkpoint("StepBegins", Dimension::NONE, "tick at which the step began"),
+        /// planned length of the present step in ticks
+        span: Short = Label::checkpoint("StepSpans", Dimension::NONE, "planned length of the step in ticks"),
+        /// tick at which the present step ends; earlier than planned when woken
+        end: Short = Label::checkpoint("StepEnds", Dimension::NONE, "tick at which the step ends"),
+    }
+}
+
+columns! {
+    /// What follows from the state; recomputed whenever a particle is active.
+    pub struct Derived {
+        /// density
+        rho: Real = Label::snapshot("Densities", Dimension::DENSITY, "density"),
+        /// pressure
+        p: Real = Label::snapshot("Pressures", Dimension::PRESSURE, "pressure"),
+        /// sound speed (adiabatic where the gas is)
+        cs: Real = Label::checkpoint("SoundSpeeds", Dimension::VELOCITY, "sound speed"),
+        /// grad-h correction
+        grad_h: Real = Label::checkpoint("GradHTerms", Dimension::NONE, "grad-h correction"),
+        /// divergence of the velocity
+        div_v: Real = Label::checkpoint("VelocityDivergences", Dimension::RATE, "divergence of the velocity"),
+        /// modulus of the curl of the velocity
+        curl_v: Real = Label::checkpoint("VelocityCurls", Dimension::RATE, "modulus of the curl of the velocity"),
+        /// largest signal speed towards a neighbour
+        v_sig: Real = Label::checkpoint("SignalSpeeds", Dimension::VELOCITY, "largest signal speed towards a neighbour"),
+        /// shortest step among the neighbours, in ticks
+        near_span: Short = Label::checkpoint("NeighbourSpans", Dimension::NONE, "shortest step among the neighbours in ticks"),
+    }
+}
+
+columns! {
+    /// Rates and impulses of the last sweep, and the prediction that they carry.
+    pub struct Rates {
+        /// velocity predicted to now
+        v_pred: Vector = Label::checkpoint("PredictedVelocities", Dimension::VELOCITY, "velocity predicted to now"),
+        /// specific internal energy predicted to now
+        u_pred: Real = Label::checkpoint("PredictedInternalEnergies", Dimension::SPECIFIC_ENERGY, "internal energy predicted to now"),
+        /// acceleration by pressure and viscosity
+        hydro: Vector = Label::checkpoint("HydroAccelerations", Dimension::ACCELERATION, "acceleration by pressure and viscosity"),
+        /// acceleration by gravity of everything
+        gravity: Vector = Label::checkpoint("GravitationalAccelerations", Dimension::ACCELERATION, "acceleration by gravity"),
+        /// gravitational potential
+        potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential"),
+        /// rate of change of the specific internal energy
+        du: Real = Label::checkpoint("HeatingRates", Dimension::SPECIFIC_POWER, "rate of change of the specific internal energy"),
+        /// change of velocity that closes the pairs' steps ending now
+        dv_close: Vector = Label::checkpoint("ClosingImpulses", Dimension::VELOCITY, "change of velocity that closes steps"),
+        /// change of velocity that opens the pairs' steps beginning now
+        dv_open: Vector = Label::checkpoint("OpeningImpulses", Dimension::VELOCITY, "change of velocity that opens steps"),
+        /// change of internal energy that closes steps
+        du_close: Real = Label::checkpoint("ClosingHeat", Dimension::SPECIFIC_ENERGY, "change of internal energy that closes steps"),
+        /// change of internal energy that opens steps
+        du_open: Real = Label::checkpoint("OpeningHeat", Dimension::SPECIFIC_ENERGY, "change of internal energy that opens steps"),
+        /// length of the step that begins now, in ticks
+        next_span: Short = Label::checkpoint("NextSpans", Dimension::NONE, "length of the step that begins now in ticks"),
+    }
+}
+
+/// Particles a leaf of the gas tree.
+pub const LEAF: usize = 32;
+
+/// All gas of a scene: its columns and the tree over them.
+#[derive(Clone, Debug, Default)]
+pub struct Gas {
+    pub particles: Particles,
+    pub derived: Derived,
+    pub rates: Rates,
+    pub tree: Tree,
+    curve: Curve,
+    scratch: Scratch,
+}
+
+impl Gas {
+    /// Gas at rest on the clock, predicted where it is.
+    pub fn new(particles: Particles) -> Self {
+        let n = particles.len();
+        let mut gas = Self {
+            particles,
+            ..Self::default()
+        };
+        gas.derived.resize(n);
+        gas.rates.resize(n);
+        gas.rates.v_pred.clone_from(&gas.particles.v);
+        gas.rates.u_pred.clone_from(&gas.particles.u);
+        gas.sort();
+        gas
+    }
+
+    pub fn len(&self) -> usize {
+        self.particles.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.particles.is_empty()
+    }
+
+    /// Brings all columns into the order of the Morton curve and builds the tree anew.
+    pub fn sort(&mut self) {
+        self.curve
+            .thread(&self.particles.x, Cube::around(&self.particles.x));
+        self.particles.permute(&self.curve.order, &mut self.scratch);
+        self.derived.permute(&self.curve.order, &mut self.scratch);
+        self.rates.permute(&self.curve.order, &mut self.scratch);
+        self.tree.build(&self.particles.x, &self.curve.keys, LEAF);
+    }
+
+    /// Removes the particles whose flag is false, and builds the tree anew.
+    pub fn retain(&mut self, keep: &[bool]) {
+        self.particles.retain(keep);
+        self.derived.retain(keep);
+        self.rates.retain(keep);
+        self.sort();
+    }
+
+    /// Acceleration by everything but drag, of particle i.
+    pub fn acceleration(&self, i: usize) -> nbody::points::Vec3 {
+        self.rates.hydro[i] + self.rates.gravity[i]
+    }
+}

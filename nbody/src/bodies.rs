@@ -1,0 +1,35 @@
+//! Bodies: stars, planets and planetesimals; point masses with a radius.
+
+use crate::columns;
+use crate::points::{Dimension, Label};
+
+/// What a body is, for output and for who pulls whom directly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Planetesimal = 0,
+    /// Named one by one in a scene; pulls gas and dust pair by pair instead of through the tree.
+    Planet = 1,
+    Star = 2,
+}
+
+columns! {
+    /// State of bodies, code units. `a` holds the accelerations of the last kick by everything but the star.
+    pub struct Bodies {
+        /// identity
+        id: Integer = Label::snapshot("ParticleIDs", Dimension::NONE, "identity"),
+        /// position
+        x: Vector = Label::snapshot("Coordinates", Dimension::LENGTH, "position"),
+        /// velocity
+        v: Vector = Label::snapshot("Velocities", Dimension::VELOCITY, "velocity"),
+        /// mass
+        m: Real = Label::snapshot("Masses", Dimension::MASS, "mass"),
+        /// physical radius; for a star the accretion radius
+        radius: Real = Label::snapshot("Radii", Dimension::LENGTH, "physical radius; for a star the accretion radius"),
+        /// softening length of gravity (Plummer)
+        softening: Real = Label::checkpoint("Softenings", Dimension::LENGTH, "softening length of gravity"),
+        /// a [`Kind`]
+        kind: Short = Label::checkpoint("Kinds", Dimension::NONE, "0 planetesimal, 1 planet, 2 star"),
+        /// acceleration at the last kick, without the star's pull
+        a: Vector = Label::checkpoint("KickAccelerations", Dimension::ACCELERATION, "acceleration at the last kick, without the star's pull"),
+    }
+}

@@ -1,0 +1,21 @@
+//! A particle set: columns of quantities, sorted along a tree's curve, in a domain, on a clock.
+//!
+//! `gas`, `dust` and the bodies share nothing but this module.
+
+pub mod clock;
+pub mod columns;
+pub mod domain;
+pub mod fault;
+pub mod random;
+pub mod sort;
+pub mod sum;
+pub mod tree;
+
+pub use clock::Clock;
+pub use columns::{ColumnMut, ColumnRef, Columns, Dimension, Keep, Label, Scratch};
+pub use domain::{Boundary, Domain};
+pub use fault::{Fault, Population};
+pub use tree::{Node, Tree};
+
+/// A vector in space, code units of its quantity.
+pub type Vec3 = nalgebra::Vector3<f64>;

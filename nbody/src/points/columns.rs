@@ -1,0 +1,332 @@
+//! A column: one quantity of all particles of a set, with the name, dimension and text under which files know it.
+//!
+//! A set lists its columns once, by the `columns!` macro; snapshot, checkpoint, sorting, removal, append and the finite check
+//! walk that list.
+
+use super::Vec3;
+
+/// Exponents of length, mass, time and temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dimension {
+    pub length: i8,
+    pub mass: i8,
+    pub time: i8,
+    pub temperature: i8,
+}
+
+impl Dimension {
+    pub const NONE: Self = Self::new(0, 0, 0, 0);
+    pub const LENGTH: Self = Self::new(1, 0, 0, 0);
+    pub const MASS: Self = Self::new(0, 1, 0, 0);
+    pub const TIME: Self = Self::new(0, 0, 1, 0);
+    pub const TEMPERATURE: Self = Self::new(0, 0, 0, 1);
+    pub const VELOCITY: Self = Self::new(1, 0, -1, 0);
+    pub const ACCELERATION: Self = Self::new(1, 0, -2, 0);
+    pub const DENSITY: Self = Self::new(-3, 1, 0, 0);
+    /// Mass an area: the density of a two-dimensional scene.
+    pub const SURFACE_DENSITY: Self = Self::new(-2, 1, 0, 0);
+    pub const PRESSURE: Self = Self::new(-1, 1, -2, 0);
+    pub const SPECIFIC_ENERGY: Self = Self::new(2, 0, -2, 0);
+    pub const SPECIFIC_POWER: Self = Self::new(2, 0, -3, 0);
+    pub const RATE: Self = Self::new(0, 0, -1, 0);
+
+    pub const fn new(length: i8, mass: i8, time: i8, temperature: i8) -> Self {
+        Self {
+            length,
+            mass,
+            time,
+            temperature,
+        }
+    }
+}
+
+/// Which files hold a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Snapshots and checkpoints.
+    Snapshot,
+    /// Checkpoints alone.
+    Checkpoint,
+}
+
+/// What files say of a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Label {
+    pub name: &'static str,
+    pub dimension: Dimension,
+    pub keep: Keep,
+    pub text: &'static str,
+}
+
+impl Label {
+    /// A column that users see in snapshots.
+    pub const fn snapshot(name: &'static str, dimension: Dimension, text: &'static str) -> Self {
+        Self {
+            name,
+            dimension,
+            keep: Keep::Snapshot,
+            text,
+        }
+    }
+
+    /// A column that only a restart needs.
+    pub const fn checkpoint(name: &'static str, dimension: Dimension, text: &'static str) -> Self {
+        Self {
+            name,
+            dimension,
+            keep: Keep::Checkpoint,
+            text,
+        }
+    }
+}
+
+/// A column to read.
+#[derive(Clone, Copy, Debug)]
+pub enum ColumnRef<'a> {
+    Real(&'a [f64]),
+    Vector(&'a [Vec3]),
+    Integer(&'a [u64]),
+    Short(&'a [u32]),
+}
+
+/// A column to write.
+#[derive(Debug)]
+pub enum ColumnMut<'a> {
+    Real(&'a mut Vec<f64>),
+    Vector(&'a mut Vec<Vec3>),
+    Integer(&'a mut Vec<u64>),
+    Short(&'a mut Vec<u32>),
+}
+
+/// Buffers that a permutation needs, kept between calls so that steady state allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    real: Vec<f64>,
+    vector: Vec<Vec3>,
+    integer: Vec<u64>,
+    short: Vec<u32>,
+}
+
+/// A set of columns of equal length.
+pub trait Columns {
+    /// All columns, in the order of their declaration.
+    fn list(&self) -> Vec<(Label, ColumnRef<'_>)>;
+
+    /// All columns, in the order of their declaration.
+    fn list_mut(&mut self) -> Vec<(Label, ColumnMut<'_>)>;
+
+    /// Number of particles.
+    fn len(&self) -> usize;
+
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Puts particle `order[i]` at place i. `order` is a permutation of 0..len.
+    fn permute(&mut self, order: &[u32], scratch: &mut Scratch) {
+        assert_eq!(
+            order.len(),
+            self.len(),
+            "a permutation names every particle once"
+        );
+        for (_, column) in self.list_mut() {
+            match column {
+                ColumnMut::Real(v) => gather(v, order, &mut scratch.real),
+                ColumnMut::Vector(v) => gather(v, order, &mut scratch.vector),
+                ColumnMut::Integer(v) => gather(v, order, &mut scratch.integer),
+                ColumnMut::Short(v) => gather(v, order, &mut scratch.short),
+            }
+        }
+    }
+
+    /// Removes particle i where `keep[i]` is false; the others keep their order.
+    fn retain(&mut self, keep: &[bool]) {
+        assert_eq!(keep.len(), self.len(), "one flag a particle");
+        for (_, column) in self.list_mut() {
+            match column {
+                ColumnMut::Real(v) => sift(v, keep),
+                ColumnMut::Vector(v) => sift(v, keep),
+                ColumnMut::Integer(v) => sift(v, keep),
+                ColumnMut::Short(v) => sift(v, keep),
+            }
+        }
+    }
+
+    /// Makes every column `n` long; new entries are zero.
+    fn resize(&mut self, n: usize) {
+        for (_, column) in self.list_mut() {
+            match column {
+                ColumnMut::Real(v) => v.resize(n, 0.0),
+                ColumnMut::Vector(v) => v.resize(n, Vec3::zeros()),
+                ColumnMut::Integer(v) => v.resize(n, 0),
+                ColumnMut::Short(v) => v.resize(n, 0),
+            }
+        }
+    }
+
+    /// The first value that is not finite: its column's name and the particle's place.
+    fn non_finite(&self) -> Option<(&'static str, usize)> {
+        self.list().into_iter().find_map(|(label, column)| {
+            let place = match column {
+                ColumnRef::Real(v) => v.iter().position(|x| !x.is_finite()),
+                ColumnRef::Vector(v) => v
+                    .iter()
+                    .position(|x| !(x.x.is_finite() && x.y.is_finite() && x.z.is_finite())),
+                ColumnRef::Integer(_) | ColumnRef::Short(_) => None,
+            };
+            place.map(|i| (label.name, i))
+        })
+    }
+
+    /// Bytes that the columns hold reserved.
+    fn bytes(&self) -> usize {
+        self.list()
+            .iter()
+            .map(|(_, column)| match column {
+                ColumnRef::Real(v) => size_of_val(*v),
+                ColumnRef::Vector(v) => size_of_val(*v),
+                ColumnRef::Integer(v) => size_of_val(*v),
+                ColumnRef::Short(v) => size_of_val(*v),
+            })
+            .sum()
+    }
+}
+
+/// Appends all particles of `other` to `set`.
+pub fn append<C: Columns>(set: &mut C, other: &C) {
+    for ((_, to), (_, from)) in set.list_mut().into_iter().zip(other.list()) {
+        match (to, from) {
+            (ColumnMut::Real(a), ColumnRef::Real(b)) => a.extend_from_slice(b),
+            (ColumnMut::Vector(a), ColumnRef::Vector(b)) => a.extend_from_slice(b),
+            (ColumnMut::Integer(a), ColumnRef::Integer(b)) => a.extend_from_slice(b),
+            (ColumnMut::Short(a), ColumnRef::Short(b)) => a.extend_from_slice(b),
+            _ => unreachable!("two sets of one type list the same columns"),
+        }
+    }
+}
+
+fn gather<T: Copy>(values: &mut Vec<T>, order: &[u32], scratch: &mut Vec<T>) {
+    scratch.clear();
+    scratch.extend(order.iter().map(|&i| values[i as usize]));
+    std::mem::swap(values, scratch);
+}
+
+fn sift<T>(values: &mut Vec<T>, keep: &[bool]) {
+    let mut flags = keep.iter();
+    values.retain(|_| *flags.next().expect("one flag a particle"));
+}
+
+/// Declares a struct of columns and its list in one place.
+///
+/// ```
+/// use nbody::columns;
+/// use nbody::points::{Columns, Dimension, Label};
+/// columns! {
+///     /// Points with a mass.
+///     pub struct Masses {
+///         /// mass
+///         m: Real = Label::snapshot("Masses", Dimension::MASS, "mass"),
+///         /// position
+///         x: Vector = Label::snapshot("Coordinates", Dimension::LENGTH, "position"),
+///     }
+/// }
+/// let mut set = Masses::default();
+/// set.resize(3);
+/// assert_eq!(set.len(), 3);
+/// assert_eq!(set.list().len(), 2);
+/// ```
+#[macro_export]
+macro_rules! columns {
+    (@type Real) => { Vec<f64> };
+    (@type Vector) => { Vec<$crate::points::Vec3> };
+    (@type Integer) => { Vec<u64> };
+    (@type Short) => { Vec<u32> };
+    ($(#[$doc:meta])* pub struct $Name:ident { $first:ident : $first_kind:ident = $first_label:expr $(, $(#[$field_doc:meta])* $field:ident : $kind:ident = $label:expr)* $(,)? }) => {
+        compile_error!("each column needs a doc line");
+    };
+    ($(#[$doc:meta])* pub struct $Name:ident {
+        $(#[$first_doc:meta])+ $first:ident : $first_kind:ident = $first_label:expr
+        $(, $(#[$field_doc:meta])+ $field:ident : $kind:ident = $label:expr)* $(,)?
+    }) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, Default)]
+        pub struct $Name {
+            $(#[$first_doc])+
+            pub $first: $crate::columns!(@type $first_kind),
+            $($(#[$field_doc])+
+            pub $field: $crate::columns!(@type $kind),)*
+        }
+
+        impl $crate::points::Columns for $Name {
+            fn list(&self) -> Vec<($crate::points::Label, $crate::points::ColumnRef<'_>)> {
+                vec![
+                    ($first_label, $crate::points::ColumnRef::$first_kind(&self.$first)),
+                    $(($label, $crate::points::ColumnRef::$kind(&self.$field)),)*
+                ]
+            }
+
+            fn list_mut(&mut self) -> Vec<($crate::points::Label, $crate::points::ColumnMut<'_>)> {
+                vec![
+                    ($first_label, $crate::points::ColumnMut::$first_kind(&mut self.$first)),
+                    $(($label, $crate::points::ColumnMut::$kind(&mut self.$field)),)*
+                ]
+            }
+
+            fn len(&self) -> usize {
+                self.$first.len()
+            }
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    columns! {
+        /// A test set.
+        pub struct Set {
+            /// ids
+            id: Integer = Label::snapshot("ParticleIDs", Dimension::NONE, "id"),
+            /// positions
+            x: Vector = Label::snapshot("Coordinates", Dimension::LENGTH, "position"),
+            /// masses
+            m: Real = Label::checkpoint("Masses", Dimension::MASS, "mass"),
+        }
+    }
+
+    fn three() -> Set {
+        Set {
+            id: vec![7, 8, 9],
+            x: (0..3).map(|i| Vec3::repeat(f64::from(i))).collect(),
+            m: vec![0.0, 1.0, 2.0],
+        }
+    }
+
+    #[test]
+    fn permutation_moves_all_columns_together() {
+        let mut set = three();
+        set.permute(&[2, 0, 1], &mut Scratch::default());
+        assert_eq!(set.id, [9, 7, 8]);
+        assert_eq!(set.m, [2.0, 0.0, 1.0]);
+        assert_eq!(set.x[0], Vec3::repeat(2.0));
+    }
+
+    #[test]
+    fn removal_and_append_keep_order() {
+        let mut set = three();
+        set.retain(&[true, false, true]);
+        let other = set.clone();
+        append(&mut set, &other);
+        assert_eq!(set.id, [7, 9, 7, 9]);
+        assert_eq!(set.m, [0.0, 2.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn the_finite_check_names_column_and_place() {
+        let mut set = three();
+        assert_eq!(set.non_finite(), None);
+        set.x[1].y = f64::NAN;
+        assert_eq!(set.non_finite(), Some(("Coordinates", 1)));
+    }
+}

@@ -1,0 +1,261 @@
+//! The tree: a binary hierarchy of boxes over particles that are sorted along the Morton curve.
+//!
+//! Nodes stand in depth-first order, parents before children; `skip` leads past a node's descendants, so a walk needs no stack.
+//! Boxes are tight around the particles. Between builds the boxes can be refitted to moved particles in the old order.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::{Domain, Vec3};
+
+/// A box with the particles first..end in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    pub lo: Vec3,
+    pub hi: Vec3,
+    pub first: u32,
+    pub end: u32,
+    /// The next node in depth-first order that is no descendant; a leaf's is its own number plus one.
+    pub skip: u32,
+}
+
+impl Node {
+    pub fn range(&self) -> Range<usize> {
+        self.first as usize..self.end as usize
+    }
+
+    pub fn count(&self) -> usize {
+        (self.end - self.first) as usize
+    }
+
+    pub fn centre(&self) -> Vec3 {
+        0.5 * (self.lo + self.hi)
+    }
+}
+
+/// The tree over a sorted particle set.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    /// Depth-first; the root is node 0. Empty without particles.
+    pub nodes: Vec<Node>,
+    /// Numbers of the leaves, along the curve; their ranges together are 0..n.
+    pub leaves: Vec<u32>,
+}
+
+impl Tree {
+    /// Builds the tree over positions `x` with ascending Morton keys `keys`, at most `leaf_size` particles a leaf.
+    ///
+    /// A node is halved where its keys first differ; coincident particles are halved by number.
+    pub fn build(&mut self, x: &[Vec3], keys: &[u64], leaf_size: usize) {
+        assert_eq!(x.len(), keys.len(), "a key a particle");
+        assert!(leaf_size > 0, "a leaf holds at least one particle");
+        self.nodes.clear();
+        self.leaves.clear();
+        if !x.is_empty() {
+            self.branch(keys, 0, x.len(), leaf_size);
+            self.refit(x);
+        }
+    }
+
+    fn branch(&mut self, keys: &[u64], first: usize, end: usize, leaf_size: usize) {
+        let place = self.nodes.len();
+        let unset = Vec3::zeros();
+        self.nodes.push(Node {
+            lo: unset,
+            hi: unset,
+            first: first as u32,
+            end: end as u32,
+            skip: 0,
+        });
+        if end - first <= leaf_size {
+            self.leaves.push(place as u32);
+        } else {
+            let middle = parting(keys, first, end);
+            self.branch(keys, first, middle, leaf_size);
+            self.branch(keys, middle, end, leaf_size);
+        }
+        self.nodes[place].skip = self.nodes.len() as u32;
+    }
+
+    /// Fits all boxes to the present positions; the particles' order is that of the build.
+    pub fn refit(&mut self, x: &[Vec3]) {
+        let nodes = super::sum::Parts::new(&mut self.nodes);
+        self.leaves.par_iter().with_min_len(64).for_each(|&leaf| {
+            let leaf = leaf as usize;
+            // SAFETY: each leaf is listed once.
+            let node = &mut unsafe { nodes.part(leaf..leaf + 1) }[0];
+            let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+            (node.lo, node.hi) = x[node.range()]
+                .iter()
+                .fold(empty, |(lo, hi), p| (lo.inf(p), hi.sup(p)));
+        });
+        for i in (0..self.nodes.len()).rev() {
+            if let Some((left, right)) = self.children(i) {
+                let (lo, hi) = (
+                    self.nodes[left].lo.inf(&self.nodes[right].lo),
+                    self.nodes[left].hi.sup(&self.nodes[right].hi),
+                );
+                (self.nodes[i].lo, self.nodes[i].hi) = (lo, hi);
+            }
+        }
+    }
+
+    /// The two children of a node; none for a leaf.
+    pub fn children(&self, node: usize) -> Option<(usize, usize)> {
+        let left = node + 1;
+        (self.nodes[node].skip as usize > left).then(|| (left, self.nodes[left].skip as usize))
+    }
+
+    pub fn is_leaf(&self, node: usize) -> bool {
+        self.nodes[node].skip as usize == node + 1
+    }
+
+    /// For every node the largest `value` of its particles, into `most`.
+    pub fn largest(&self, value: impl Fn(usize) -> f64 + Sync, most: &mut Vec<f64>) {
+        most.clear();
+        most.resize(self.nodes.len(), f64::NEG_INFINITY);
+        for &leaf in &self.leaves {
+            let leaf = leaf as usize;
+            most[leaf] = self.nodes[leaf]
+                .range()
+                .fold(f64::NEG_INFINITY, |m, i| m.max(value(i)));
+        }
+        for i in (0..self.nodes.len()).rev() {
+            if let Some((left, right)) = self.children(i) {
+                most[i] = most[left].max(most[right]);
+            }
+        }
+    }
+
+    /// Calls `visit(range, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
+    /// box [lo, hi]. `extent` gives a node's own reach (as from [`Tree::largest`]), or is empty for none; a node with a negative extent is
+    /// passed over. Every particle within reach is in a visited range; not every visited particle is within reach. The order is fixed.
+    pub fn near(
+        &self,
+        domain: &Domain,
+        (lo, hi): (Vec3, Vec3),
+        reach: f64,
+        extent: &[f64],
+        mut visit: impl FnMut(Range<usize>, Vec3),
+    ) {
+        let Some(root) = self.nodes.first() else {
+            return;
+        };
+        let far = reach.max(extent.first().copied().unwrap_or(0.0));
+        let margin = Vec3::repeat(far);
+        domain.shifts(lo - margin, hi + margin, root.lo, root.hi, |shift| {
+            let (lo, hi) = (lo - shift, hi - shift);
+            let mut i = 0;
+            while i < self.nodes.len() {
+                let node = &self.nodes[i];
+                let own = extent.get(i).copied().unwrap_or(0.0);
+                let reach = reach.max(own);
+                let gap = (node.lo - hi).sup(&(lo - node.hi)).sup(&Vec3::zeros());
+                if own < 0.0 || gap.norm_squared() > reach * reach {
+                    i = node.skip as usize;
+                } else {
+                    i += 1;
+                    if node.skip as usize == i {
+                        visit(node.range(), shift);
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// Where the sorted keys of first..end part: at the highest bit in which they differ.
+fn parting(keys: &[u64], first: usize, end: usize) -> usize {
+    let differ = keys[first] ^ keys[end - 1];
+    if differ == 0 {
+        return first + (end - first) / 2;
+    }
+    let bit = 63 - differ.leading_zeros();
+    first + keys[first..end].partition_point(|key| key >> bit & 1 == 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sort::{Cube, Curve};
+    use super::*;
+
+    fn points(n: u32) -> Vec<Vec3> {
+        let f = |i: u32, k: f64| (f64::from(i) * k).fract();
+        (0..n)
+            .map(|i| Vec3::new(f(i, 0.618_034), f(i, 0.414_214), f(i, 0.732_051)))
+            .collect()
+    }
+
+    fn sorted_tree(mut x: Vec<Vec3>, leaf_size: usize) -> (Vec<Vec3>, Tree) {
+        let mut curve = Curve::default();
+        curve.thread(&x, Cube::around(&x));
+        x = curve.order.iter().map(|&i| x[i as usize]).collect();
+        let mut tree = Tree::default();
+        tree.build(&x, &curve.keys, leaf_size);
+        (x, tree)
+    }
+
+    #[test]
+    fn leaves_tile_the_particles_and_boxes_hold_them() {
+        for x in [
+            points(1),
+            points(2),
+            points(1000),
+            vec![Vec3::repeat(0.3); 100],
+        ] {
+            let (x, tree) = sorted_tree(x, 16);
+            let mut next = 0;
+            for &leaf in &tree.leaves {
+                let node = &tree.nodes[leaf as usize];
+                assert_eq!(node.first, next);
+                assert!(node.count() <= 16);
+                next = node.end;
+            }
+            assert_eq!(next as usize, x.len());
+            for node in &tree.nodes {
+                assert!(
+                    x[node.range()]
+                        .iter()
+                        .all(|p| (0..3).all(|a| node.lo[a] <= p[a] && p[a] <= node.hi[a]))
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn near_finds_every_neighbour_of_a_periodic_box_once() {
+        let (x, tree) = sorted_tree(points(2000), 8);
+        let domain = Domain::periodic(Vec3::repeat(1.0));
+        let mut extent = Vec::new();
+        tree.largest(|i| if i % 100 == 0 { 0.3 } else { 0.02 }, &mut extent);
+        for i in (0..x.len()).step_by(97) {
+            let mut found = Vec::new();
+            tree.near(&domain, (x[i], x[i]), 0.1, &extent, |range, shift| {
+                found.extend(range.filter(|&j| {
+                    let reach = if j % 100 == 0 { 0.3 } else { 0.1 };
+                    (x[j] + shift - x[i]).norm() < reach
+                }));
+            });
+            let expected: Vec<usize> = (0..x.len())
+                .filter(|&j| {
+                    domain.nearest(x[j] - x[i]).norm() < if j % 100 == 0 { 0.3 } else { 0.1 }
+                })
+                .collect();
+            found.sort_unstable();
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn an_empty_tree_has_nothing_near() {
+        let tree = Tree::default();
+        tree.near(
+            &Domain::open(),
+            (Vec3::zeros(), Vec3::zeros()),
+            1.0,
+            &[],
+            |_, _| panic!("nothing is there"),
+        );
+    }
+}
