@@ -1,1 +1,18 @@
-//! placeholder
+//! Coupling: the system of all populations, the operators that advance it, and the ledger of what they change.
+//!
+//! A step is a visible list of operators, composed symmetrically (Strang 1968); what a scene leaves out is not in the list.
+
+pub mod accretion;
+pub mod drag;
+pub mod drift;
+pub mod gravity;
+pub mod kick;
+pub mod ledger;
+pub mod operator;
+pub mod splitting;
+pub mod system;
+
+pub use ledger::{Ledger, Totals};
+pub use operator::{Meter, Operator, Phase, Unmetered};
+pub use splitting::Splitting;
+pub use system::{Pace, System};

@@ -1,0 +1,115 @@
+//! Accretion: what comes within the star's accretion radius becomes part of the star, and bodies that touch merge.
+//!
+//! Mass and momentum of the accreted go to the star; their angular momentum about the common centre of mass becomes spin, their kinetic
+//! energy there is booked as dissipated.
+
+use nbody::points::{Columns, Fault, Vec3};
+
+use crate::System;
+use crate::operator::{Meter, Operator, Phase};
+
+/// A conversion of particles or bodies, for the log of events.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    pub time: f64,
+    pub kind: &'static str,
+    /// Identity that stays (the star's is 0) and the one that is gone.
+    pub kept: u64,
+    pub lost: u64,
+    pub mass_kept: f64,
+    pub mass_lost: f64,
+    pub position: Vec3,
+    /// Impact speed in units of the pair's escape speed, and angle to the normal.
+    pub speed_ratio: f64,
+    pub angle: f64,
+}
+
+/// Removes what lies within the star's accretion radius, at the bodies' ticks, before anything else happens there.
+pub struct Accretion;
+
+impl Operator for Accretion {
+    fn name(&self) -> &'static str {
+        "accretion"
+    }
+
+    fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Bodies);
+        if !system.bodies_active() || system.star.x.is_empty() {
+            return Ok(false);
+        }
+        let time = system.clock.time();
+        let mut any = false;
+        for population in 0..3 {
+            any |= accrete(system, population, time);
+        }
+        if any {
+            system.look();
+        }
+        Ok(any)
+    }
+}
+
+/// Feeds the star with the members of one population that are inside; answers whether there were any.
+fn accrete(system: &mut System, population: usize, time: f64) -> bool {
+    let (centre, radius) = (system.star.x[0], system.star.radius[0]);
+    let (x, v, m, id): (&[Vec3], &[Vec3], &[f64], &[u64]) = match population {
+        0 => (&system.gas.particles.x, &system.gas.particles.v, &system.gas.particles.m, &system.gas.particles.id),
+        1 => (&system.dust.particles.x, &system.dust.particles.v, &system.dust.particles.m, &system.dust.particles.id),
+        _ => (&system.bodies.x, &system.bodies.v, &system.bodies.m, &system.bodies.id),
+    };
+    let keep: Vec<bool> = x.iter().map(|p| (p - centre).norm_squared() >= radius * radius).collect();
+    if keep.iter().all(|&k| k) {
+        return false;
+    }
+    let kind = ["accreted-gas", "accreted-dust", "accreted-planetesimal"][population];
+    for i in (0..keep.len()).filter(|&i| !keep[i]) {
+        let (big, small) = (system.star.m[0], m[i]);
+        let sum = big + small;
+        let (dx, dv) = (x[i] - system.star.x[0], v[i] - system.star.v[0]);
+        let reduced = big * small / sum;
+        system.ledger.spin += reduced * dx.cross(&dv);
+        system.ledger.dissipated += 0.5 * reduced * dv.norm_squared();
+        if population == 0 {
+            system.ledger.dissipated += small * system.gas.particles.u[i];
+        }
+        if dx.norm() > 0.0 {
+            system.ledger.dissipated -= system.g * big * small / dx.norm();
+        }
+        system.ledger.accreted[population] += small;
+        let escape = (2.0 * system.g * sum / dx.norm().max(f64::MIN_POSITIVE)).sqrt();
+        let cosine = -dx.dot(&dv) / (dx.norm() * dv.norm()).max(f64::MIN_POSITIVE);
+        system.events.push(Event {
+            time,
+            kind,
+            kept: system.star.id[0],
+            lost: id[i],
+            mass_kept: big,
+            mass_lost: small,
+            position: x[i],
+            speed_ratio: dv.norm() / escape,
+            angle: cosine.clamp(-1.0, 1.0).acos(),
+        });
+        system.star.x[0] += dx * (small / sum);
+        system.star.v[0] += dv * (small / sum);
+        system.star.m[0] = sum;
+    }
+    match population {
+        0 => system.gas.retain(&keep),
+        1 => system.dust.retain(&keep),
+        _ => {
+            system.bodies.retain(&keep);
+            let mut flags = keep.iter();
+            system.pending_bodies.retain(|_| *flags.next().expect("one flag a body"));
+        }
+    }
+    true
+}
+
+/// Merges bodies that touch, at the bodies' ticks.
+pub struct Mergers;
+
+impl Operator for Mergers {
+    fn name(&self) -> &'static str {
+        "mergers"
+    }
+}

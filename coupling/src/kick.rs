@@ -1,0 +1,234 @@
+//! Kicks: the changes of velocity by gravity, pressure and viscosity, at both ends of a particle's step.
+//!
+//! Gas is kicked pair by pair by the impulses of its force sweep, and by gravity; dust and bodies by gravity. What star and planets
+//! give to gas and dust they receive in turn at once, if they are active, or at their next tick.
+
+use gas::Hydro;
+use nbody::points::{Clock, Fault, Vec3, sum};
+
+use crate::gravity::{Softening, heavies};
+use crate::System;
+use crate::operator::{Meter, Operator, Phase};
+
+/// Finds density, pressure and what else a gas particle needs before forces.
+pub struct Density {
+    pub hydro: Hydro,
+}
+
+impl Operator for Density {
+    fn name(&self) -> &'static str {
+        "density"
+    }
+
+    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        meter.enter(Phase::Tree);
+        if system.clock.synchronous() {
+            system.gas.sort();
+        } else {
+            system.gas.refit();
+        }
+        meter.enter(Phase::Density);
+        self.hydro.centre = system.seen.star_x.first().copied().unwrap_or_else(Vec3::zeros);
+        let targets = system.gas.density(&self.hydro, &system.clock)?;
+        meter.count(targets, 0);
+        Ok(())
+    }
+}
+
+/// What star and planets receive of the pulls that they exert on gas and dust.
+#[derive(Clone, Copy, Debug)]
+pub struct Reaction {
+    /// Whether the fluid pulls star, and planets.
+    pub on: [bool; 2],
+    pub softening: Softening,
+}
+
+/// The particles that react, with the weight in time of their kick now.
+struct Kicked<'a> {
+    x: &'a [Vec3],
+    m: &'a [f64],
+    h: &'a [f64],
+}
+
+impl Reaction {
+    /// Gives star and planets the impulse that balances their pulls on `kicked`, weighted by `weight(i)`.
+    fn act(self, system: &System, kicked: &Kicked, weight: impl Fn(usize) -> f64 + Sync) -> (Vec<Vec3>, Vec<Vec3>) {
+        let mut star = vec![Vec3::zeros(); system.star.x.len()];
+        let mut bodies = vec![Vec3::zeros(); system.bodies.x.len()];
+        for heavy in heavies(system) {
+            if self.on[usize::from(!heavy.star)] {
+                let impulse = sum::ordered(kicked.x.len(), Vec3::zeros(), |range| {
+                    range.fold(Vec3::zeros(), |sum, i| match weight(i) {
+                        0.0 => sum,
+                        w => sum - heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0 * (kicked.m[i] * w),
+                    })
+                });
+                let own = if heavy.star { &mut star } else { &mut bodies };
+                own[heavy.place] += system.g * impulse;
+            }
+        }
+        (star, bodies)
+    }
+}
+
+fn receive(system: &mut System, (star, bodies): (Vec<Vec3>, Vec<Vec3>)) {
+    for (pending, impulse) in system.pending_star.iter_mut().zip(star).chain(system.pending_bodies.iter_mut().zip(bodies)) {
+        *pending += impulse;
+    }
+    if system.bodies_active() {
+        system.settle_impulses();
+        system.look();
+    }
+}
+
+/// Kicks of the gas.
+pub struct KickGas {
+    pub hydro: Hydro,
+    pub reaction: Reaction,
+}
+
+impl KickGas {
+    fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
+        let gas = &system.gas.particles;
+        let kicked = Kicked { x: &gas.x, m: &gas.m, h: &gas.h };
+        let given = self.reaction.act(system, &kicked, |i| if system.active(gas.end[i]) { weight(system, i) } else { 0.0 });
+        receive(system, given);
+    }
+}
+
+impl Operator for KickGas {
+    fn name(&self) -> &'static str {
+        "kick gas"
+    }
+
+    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        meter.enter(Phase::Hydro);
+        if system.clock.step == 0 {
+            // The first step's choice of a step needs accelerations; the weights of closing are still zero.
+            system.gas.forces(&self.hydro, &system.clock, &system.clock);
+        }
+        system.gas.steps(&self.hydro, &system.clock, &system.next)?;
+        let targets = system.gas.forces(&self.hydro, &system.clock, &system.next);
+        meter.count(targets, 0);
+        Ok(())
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Hydro);
+        self.react(system, |s, i| s.closing(s.gas.particles.begin[i], s.gas.particles.span[i]));
+        let change = system.gas.close(&self.hydro, &system.clock)?;
+        system.ledger.radiated += change.radiated;
+        system.ledger.floors += change.floors;
+        Ok(true)
+    }
+
+    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Hydro);
+        self.react(system, |s, i| s.opening(s.gas.rates.next_span[i]));
+        let change = system.gas.open(&self.hydro, &system.clock, &system.next)?;
+        system.ledger.radiated += change.radiated;
+        system.ledger.floors += change.floors;
+        Ok(true)
+    }
+}
+
+/// Kicks of the dust.
+pub struct KickDust {
+    pub pacing: dust::motion::Pacing,
+    pub reaction: Reaction,
+}
+
+impl KickDust {
+    fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
+        let dust = &system.dust.particles;
+        let kicked = Kicked { x: &dust.x, m: &dust.m, h: &dust.h };
+        let given = self.reaction.act(system, &kicked, |i| if system.active(dust.end[i]) { weight(system, i) } else { 0.0 });
+        receive(system, given);
+    }
+}
+
+impl Operator for KickDust {
+    fn name(&self) -> &'static str {
+        "kick dust"
+    }
+
+    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        meter.enter(Phase::Dust);
+        let centre = system.seen.star_x.first().copied().unwrap_or_else(Vec3::zeros);
+        system.dust.steps(&self.pacing, centre, &system.clock, &system.next)?;
+        Ok(())
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Dust);
+        self.react(system, |s, i| s.closing(s.dust.particles.begin[i], s.dust.particles.span[i]));
+        system.dust.close(&system.clock);
+        Ok(true)
+    }
+
+    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Dust);
+        self.react(system, |s, i| s.opening(s.dust.rates.next_span[i]));
+        system.dust.open(&system.clock, &system.next);
+        Ok(true)
+    }
+}
+
+/// Kicks of star and bodies by what their own integrator does not do; sets their step.
+pub struct KickBodies {
+    /// The wanted step of the bodies' integrator.
+    pub step: f64,
+}
+
+impl KickBodies {
+    fn kick(system: &mut System, weight: f64) {
+        for bodies in [&mut system.star, &mut system.bodies] {
+            for (v, a) in bodies.v.iter_mut().zip(&bodies.a) {
+                *v += *a * weight;
+            }
+        }
+        system.settle_impulses();
+        system.look();
+    }
+}
+
+impl Operator for KickBodies {
+    fn name(&self) -> &'static str {
+        "kick bodies"
+    }
+
+    fn prepare(&mut self, system: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {
+        if system.bodies_active() {
+            system.pace.next_span = span(&system.next, self.step)?;
+        }
+        Ok(())
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Bodies);
+        let active = system.bodies_active();
+        if active {
+            Self::kick(system, system.closing(system.pace.begin, system.pace.span));
+        }
+        Ok(active)
+    }
+
+    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Bodies);
+        let active = system.bodies_active();
+        if active {
+            Self::kick(system, system.opening(system.pace.next_span));
+        }
+        Ok(active)
+    }
+}
+
+fn span(next: &Clock, step: f64) -> Result<u32, Fault> {
+    next.span(step).ok_or(Fault::StepTooSmall {
+        population: nbody::points::Population::Planetesimals,
+        id: 0,
+        step,
+        shortest: next.unit(),
+        time: next.time(),
+    })
+}

@@ -1,0 +1,227 @@
+//! The ledger: what is conserved, how well, and which operator changed what of which population.
+
+use std::ops::{Add, AddAssign, Sub};
+
+use nbody::Bodies;
+use nbody::points::{Vec3, sum};
+
+use crate::System;
+
+/// Sums over a population, code units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    pub mass: f64,
+    pub momentum: Vec3,
+    pub angular_momentum: Vec3,
+    pub kinetic: f64,
+    pub internal: f64,
+    /// Sum of |m v|: the scale that errors of momentum are relative to.
+    pub momentum_scale: f64,
+    /// Sum of |m x cross v|.
+    pub angular_scale: f64,
+}
+
+impl Totals {
+    fn of_one(m: f64, x: Vec3, v: Vec3, u: f64) -> Self {
+        let momentum = m * v;
+        let angular_momentum = x.cross(&momentum);
+        Self {
+            mass: m,
+            momentum,
+            angular_momentum,
+            kinetic: 0.5 * v.dot(&momentum),
+            internal: m * u,
+            momentum_scale: momentum.norm(),
+            angular_scale: angular_momentum.norm(),
+        }
+    }
+
+    fn over(m: &[f64], x: &[Vec3], v: &[Vec3], u: &[f64]) -> Self {
+        sum::ordered(m.len(), Self::default(), |range| {
+            range.fold(Self::default(), |total, i| total + Self::of_one(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0)))
+        })
+    }
+
+    fn bodies(b: &Bodies) -> Self {
+        Self::over(&b.m, &b.x, &b.v, &[])
+    }
+}
+
+impl Add for Totals {
+    type Output = Self;
+
+    fn add(self, o: Self) -> Self {
+        Self {
+            mass: self.mass + o.mass,
+            momentum: self.momentum + o.momentum,
+            angular_momentum: self.angular_momentum + o.angular_momentum,
+            kinetic: self.kinetic + o.kinetic,
+            internal: self.internal + o.internal,
+            momentum_scale: self.momentum_scale + o.momentum_scale,
+            angular_scale: self.angular_scale + o.angular_scale,
+        }
+    }
+}
+
+impl AddAssign for Totals {
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl Sub for Totals {
+    type Output = Self;
+
+    /// The difference; scales subtract too and mean nothing in it.
+    fn sub(self, o: Self) -> Self {
+        Self {
+            mass: self.mass - o.mass,
+            momentum: self.momentum - o.momentum,
+            angular_momentum: self.angular_momentum - o.angular_momentum,
+            kinetic: self.kinetic - o.kinetic,
+            internal: self.internal - o.internal,
+            momentum_scale: self.momentum_scale - o.momentum_scale,
+            angular_scale: self.angular_scale - o.angular_scale,
+        }
+    }
+}
+
+/// Totals of gas, dust, planetesimals (with planets) and star, in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Census(pub [Totals; 4]);
+
+impl Census {
+    /// Names of the populations, in order.
+    pub const NAMES: [&'static str; 4] = ["gas", "dust", "planetesimals", "star"];
+
+    /// Counts the system as it stands. Impulses that bodies have yet to receive count as theirs.
+    pub fn of(system: &System) -> Self {
+        let gas = &system.gas.particles;
+        let dust = &system.dust.particles;
+        let mut totals = [
+            Totals::over(&gas.m, &gas.x, &gas.v, &gas.u),
+            Totals::over(&dust.m, &dust.x, &dust.v, &[]),
+            Totals::bodies(&system.bodies),
+            Totals::bodies(&system.star),
+        ];
+        for (k, bodies, pending) in [(2, &system.bodies, &system.pending_bodies), (3, &system.star, &system.pending_star)] {
+            for (x, impulse) in bodies.x.iter().zip(pending) {
+                totals[k].momentum += impulse;
+                totals[k].angular_momentum += x.cross(impulse);
+            }
+        }
+        Self(totals)
+    }
+
+    pub fn sum(&self) -> Totals {
+        self.0.iter().fold(Totals::default(), |sum, &t| sum + t)
+    }
+}
+
+/// What one operator has changed since the start, by population.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    pub operator: String,
+    pub change: Census,
+}
+
+/// The books of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// The census at the start.
+    pub initial: Census,
+    /// Potential energy at the start.
+    pub initial_potential: f64,
+    /// A line an operator.
+    pub entries: Vec<Entry>,
+    /// Heat taken out by equations of state that prescribe the temperature.
+    pub radiated: f64,
+    /// Mass accreted by the star: gas, dust, planetesimals.
+    pub accreted: [f64; 3],
+    /// Angular momentum that accretion and mergers turned into spin.
+    pub spin: Vec3,
+    /// Kinetic and potential energy that accretion and mergers turned into heat nobody follows.
+    pub dissipated: f64,
+    /// Momentum and angular momentum that drag took out of the system because feedback is off.
+    pub given_away: Totals,
+    /// How often a floor on the internal energy was used.
+    pub floors: u64,
+    last: Census,
+}
+
+/// One line of the history: everything in code units, errors relative.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    pub time: f64,
+    pub mass: [f64; 4],
+    pub momentum: Vec3,
+    pub angular_momentum: Vec3,
+    pub kinetic: f64,
+    pub internal: f64,
+    pub potential: f64,
+    pub radiated: f64,
+    pub accreted: [f64; 3],
+    pub error_mass: f64,
+    pub error_momentum: f64,
+    pub error_angular_momentum: f64,
+    pub error_energy: f64,
+}
+
+impl Ledger {
+    /// Opens the books on the system as it stands.
+    pub fn open(&mut self, system: Census, potential: f64) {
+        self.initial = system;
+        self.initial_potential = potential;
+        self.last = system;
+    }
+
+    /// Takes the system as it stands as the state that the next entry is compared with.
+    pub fn turn(&mut self, system: Census) {
+        self.last = system;
+    }
+
+    /// Books what has changed since the last entry as the work of `operator`.
+    pub fn book(&mut self, operator: &str, system: Census) {
+        let place = self.entries.iter().position(|e| e.operator == operator).unwrap_or_else(|| {
+            self.entries.push(Entry { operator: operator.to_owned(), change: Census::default() });
+            self.entries.len() - 1
+        });
+        for k in 0..4 {
+            self.entries[place].change.0[k] += system.0[k] - self.last.0[k];
+        }
+        self.last = system;
+    }
+
+    /// The books as one line. All conserved sums are compared with the start.
+    pub fn report(&self, time: f64, system: Census, potential: f64) -> Report {
+        let (now, start) = (system.sum(), self.initial.sum());
+        let lost = self.given_away;
+        let energy = now.kinetic + now.internal + potential + self.radiated + self.dissipated + lost.kinetic;
+        let energy_start = start.kinetic + start.internal + self.initial_potential;
+        let energy_scale = match energy_start.abs() {
+            0.0 => start.kinetic + start.internal + self.initial_potential.abs(),
+            e => e,
+        };
+        let momentum_error = (now.momentum + lost.momentum - start.momentum).norm();
+        let angular_error = (now.angular_momentum + self.spin + lost.angular_momentum - start.angular_momentum).norm();
+        Report {
+            time,
+            mass: system.0.map(|t| t.mass),
+            momentum: now.momentum,
+            angular_momentum: now.angular_momentum + self.spin,
+            kinetic: now.kinetic,
+            internal: now.internal,
+            potential,
+            radiated: self.radiated + self.dissipated,
+            accreted: self.accreted,
+            error_mass: relative(now.mass - start.mass, start.mass),
+            error_momentum: relative(momentum_error, start.momentum_scale.max(now.momentum_scale)),
+            error_angular_momentum: relative(angular_error, start.angular_scale.max(now.angular_scale)),
+            error_energy: relative(energy - energy_start, energy_scale),
+        }
+    }
+}
+
+fn relative(error: f64, scale: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / scale }
+}

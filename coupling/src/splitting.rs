@@ -1,0 +1,87 @@
+//! The splitting: a step as a symmetric composition of operators (Strang 1968).
+//!
+//! With the list `kick drag drift`, a particle's step reads: kick drag | drift | drag kick. At a tick the active particles close
+//! their step (the list backwards) and open the next (the list forwards); the drift carries everybody to the next tick.
+
+use nbody::points::{Fault, clock::TICKS};
+
+use crate::ledger::Census;
+use crate::operator::{Meter, Operator};
+use crate::{Pace, System};
+
+/// The operators of a scene, in the order of the first half of a step.
+pub struct Splitting {
+    operators: Vec<Box<dyn Operator>>,
+    /// Whether each operator's changes are booked one by one.
+    pub bookkeeping: bool,
+}
+
+impl Splitting {
+    pub fn new(operators: Vec<Box<dyn Operator>>) -> Self {
+        Self { operators, bookkeeping: true }
+    }
+
+    /// Names of the operators, in order.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.operators.iter().map(|o| o.name()).collect()
+    }
+
+    /// Ends the steps that end at this tick. Where everybody is active, the next base step runs to at most `until` and is at
+    /// most `longest` long.
+    pub fn close(&mut self, system: &mut System, until: f64, longest: f64, meter: &mut dyn Meter) -> Result<(), Fault> {
+        system.next = if system.clock.synchronous() { system.clock.next_base(until, longest) } else { system.clock };
+        for operator in &mut self.operators {
+            operator.prepare(system, meter)?;
+        }
+        self.turn(system);
+        for operator in self.operators.iter_mut().rev() {
+            if operator.close(system, meter)? {
+                book(self.bookkeeping, operator.name(), system);
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins the steps that begin at this tick.
+    pub fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        self.turn(system);
+        for operator in &mut self.operators {
+            if operator.open(system, meter)? {
+                book(self.bookkeeping, operator.name(), system);
+            }
+        }
+        if system.bodies_active() {
+            let (begin, span) = (system.next.tick, system.pace.next_span);
+            system.pace = Pace { begin, span, end: begin + span, next_span: span };
+        }
+        system.clock = system.next;
+        Ok(())
+    }
+
+    /// Carries everybody to the next tick at which anybody is active.
+    pub fn cross(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        let tick = system.next_tick().min(TICKS);
+        let dt = f64::from(tick - system.clock.tick) * system.clock.unit();
+        system.clock.tick = tick;
+        self.turn(system);
+        for operator in &mut self.operators {
+            if operator.cross(system, dt, meter)? {
+                book(self.bookkeeping, operator.name(), system);
+            }
+        }
+        Ok(())
+    }
+
+    fn turn(&self, system: &mut System) {
+        if self.bookkeeping {
+            system.ledger.turn(Census::of(system));
+        }
+    }
+}
+
+fn book(bookkeeping: bool, operator: &str, system: &mut System) {
+    if bookkeeping {
+        let census = Census::of(system);
+        system.ledger.book(operator, census);
+    }
+}
