@@ -14,14 +14,15 @@ use rayon::prelude::*;
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
 
-/// Gas, dust, planetesimals (with planets), star: the order of every array over populations here.
-pub const POPULATIONS: usize = 4;
-
-/// Which population pulls which: `pulls[a][b]` says whether a pulls b.
-pub type Pulls = [[bool; POPULATIONS]; POPULATIONS];
+/// Which masses pull which: `pulls[a][b]` says whether a pulls b. The order is gas, dust, planetesimals, planets, star.
+pub type Pulls = [[bool; 5]; 5];
 
 /// Everything pulls everything.
-pub const ALL_PULL: Pulls = [[true; POPULATIONS]; POPULATIONS];
+pub const ALL_PULL: Pulls = [[true; 5]; 5];
+
+const PLANETESIMALS: usize = 2;
+const PLANETS: usize = 3;
+const STAR: usize = 4;
 
 /// Softening of a fluid population.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,7 +167,8 @@ impl Field {
                 let active = |i: usize| match k {
                     0 => system.active(system.gas.particles.end[i]),
                     1 => system.active(system.dust.particles.end[i]),
-                    _ => system.bodies_active(),
+                    // Planets feel nothing through the tree: they receive what they do to others.
+                    _ => system.bodies_active() && system.bodies.kind[i] != Kind::Planet as u32,
                 };
                 self.active.extend((0..numbers[k]).filter(|&i| active(i)).map(|i| (first + i) as u32));
             }
@@ -229,6 +231,11 @@ pub fn heavies(system: &System) -> Vec<Heavy> {
 }
 
 impl Heavy {
+    /// Its place in [`Pulls`].
+    fn rank(&self) -> usize {
+        if self.star { STAR } else { PLANETS }
+    }
+
     /// Acceleration of a point at `x` with softening length `softening`, and the potential there, for G = 1.
     fn pull(&self, x: Vec3, softening: f64) -> (Vec3, f64) {
         let dx = self.x - x;
@@ -337,7 +344,7 @@ impl Gravity {
     fn pull_fluids(&self, system: &mut System, heavies: &[Heavy]) {
         let (tick, synchronous, g) = (system.clock.tick, system.clock.synchronous(), system.g);
         let felt = |target: usize| -> Vec<Heavy> {
-            heavies.iter().copied().filter(|h| self.plan.pulls[if h.star { 3 } else { 2 }][target]).collect()
+            heavies.iter().copied().filter(|h| self.plan.pulls[h.rank()][target]).collect()
         };
         let (gas, dust) = (&mut system.gas, &mut system.dust);
         for (heavies, softening, x, h, end, gravity) in [
@@ -359,33 +366,28 @@ impl Gravity {
 
     /// The pulls among star, planets and planetesimals that the kick has.
     fn pull_bodies(&self, system: &mut System, heavies: &[Heavy]) {
-        let g = system.g;
+        let (g, pulls) = (system.g, &self.plan.pulls);
         let bodies = &mut system.bodies;
-        let x = &system.seen.x;
+        let (x, kind, softening) = (&system.seen.x, &bodies.kind, &bodies.softening);
+        let rank = |i: usize| if kind[i] == Kind::Planet as u32 { PLANETS } else { PLANETESIMALS };
         for heavy in heavies {
-            let (own, kicked) = if heavy.star { (3, self.plan.star_in_kick) } else { (2, self.plan.bodies_in_kick) };
-            if !kicked {
+            if !(if heavy.star { self.plan.star_in_kick } else { self.plan.bodies_in_kick }) {
                 continue;
             }
-            if self.plan.pulls[own][2] {
-                bodies.a.par_iter_mut().enumerate().with_min_len(sum::CHUNK).for_each(|(i, a)| {
-                    if heavy.star || i != heavy.place {
-                        *a += g * heavy.pull(x[i], bodies.softening[i]).0;
-                    }
-                });
-            }
-            // What the pulled ones give back; planets among themselves have it from the loop above.
-            if self.plan.pulls[2][own] {
-                let back = sum::ordered(x.len(), Vec3::zeros(), |range| {
-                    range
-                        .filter(|&i| heavy.star || bodies.kind[i] != Kind::Planet as u32)
-                        .fold(Vec3::zeros(), |sum, i| sum - bodies.m[i] * heavy.pull(x[i], bodies.softening[i]).0)
-                });
-                let back = g * back / heavy.m;
-                let own = if heavy.star { &mut system.star.a } else { &mut bodies.a };
-                if heavy.m > 0.0 {
-                    own[heavy.place] += back;
+            bodies.a.par_iter_mut().enumerate().with_min_len(sum::CHUNK).for_each(|(i, a)| {
+                if pulls[heavy.rank()][rank(i)] && (heavy.star || i != heavy.place) {
+                    *a += g * heavy.pull(x[i], softening[i]).0;
                 }
+            });
+            // What the pulled ones give back; planets among themselves have it from the loop above.
+            let back = sum::ordered(x.len(), Vec3::zeros(), |range| {
+                range
+                    .filter(|&i| pulls[rank(i)][heavy.rank()] && (heavy.star || rank(i) == PLANETESIMALS))
+                    .fold(Vec3::zeros(), |sum, i| sum - bodies.m[i] * heavy.pull(x[i], softening[i]).0)
+            });
+            if heavy.m > 0.0 {
+                let own = if heavy.star { &mut system.star.a } else { &mut bodies.a };
+                own[heavy.place] += g * back / heavy.m;
             }
         }
     }

@@ -21,15 +21,9 @@ impl Operator for Density {
     }
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
-        meter.enter(Phase::Tree);
-        if system.clock.synchronous() {
-            system.gas.sort();
-        } else {
-            system.gas.refit();
-        }
         meter.enter(Phase::Density);
-        self.hydro.centre = system.seen.star_x.first().copied().unwrap_or_else(Vec3::zeros);
-        let targets = system.gas.density(&self.hydro, &system.clock)?;
+        let centre = system.seen.star_x.first().copied().unwrap_or_else(Vec3::zeros);
+        let targets = system.gas.density(&self.hydro, &system.clock, centre)?;
         meter.count(targets, 0);
         Ok(())
     }
@@ -85,6 +79,8 @@ fn receive(system: &mut System, (star, bodies): (Vec<Vec3>, Vec<Vec3>)) {
 pub struct KickGas {
     pub hydro: Hydro,
     pub reaction: Reaction,
+    /// The longest step.
+    pub longest: f64,
 }
 
 impl KickGas {
@@ -107,7 +103,7 @@ impl Operator for KickGas {
             // The first step's choice of a step needs accelerations; the weights of closing are still zero.
             system.gas.forces(&self.hydro, &system.clock, &system.clock);
         }
-        system.gas.steps(&self.hydro, &system.clock, &system.next)?;
+        system.gas.steps(&self.hydro, &system.clock, &system.next, self.longest)?;
         let targets = system.gas.forces(&self.hydro, &system.clock, &system.next);
         meter.count(targets, 0);
         Ok(())
@@ -116,18 +112,16 @@ impl Operator for KickGas {
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
         self.react(system, |s, i| s.closing(s.gas.particles.begin[i], s.gas.particles.span[i]));
-        let change = system.gas.close(&self.hydro, &system.clock)?;
-        system.ledger.radiated += change.radiated;
-        system.ledger.floors += change.floors;
+        let heat = system.gas.close(&self.hydro, &system.clock);
+        system.ledger.take(heat);
         Ok(true)
     }
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
         self.react(system, |s, i| s.opening(s.gas.rates.next_span[i]));
-        let change = system.gas.open(&self.hydro, &system.clock, &system.next)?;
-        system.ledger.radiated += change.radiated;
-        system.ledger.floors += change.floors;
+        let heat = system.gas.open(&self.hydro, &system.clock, &system.next);
+        system.ledger.take(heat);
         Ok(true)
     }
 }

@@ -168,6 +168,12 @@ pub struct Report {
 }
 
 impl Ledger {
+    /// Books heat that left or entered the gas other than by its forces.
+    pub fn take(&mut self, heat: gas::Heat) {
+        self.radiated += heat.radiated - heat.floored;
+        self.floors += heat.floors as u64;
+    }
+
     /// Opens the books on the system as it stands.
     pub fn open(&mut self, system: Census, potential: f64) {
         self.initial = system;

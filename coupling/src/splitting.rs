@@ -6,7 +6,7 @@
 use nbody::points::{Fault, clock::TICKS};
 
 use crate::ledger::Census;
-use crate::operator::{Meter, Operator};
+use crate::operator::{Meter, Operator, Phase};
 use crate::{Pace, System};
 
 /// The operators of a scene, in the order of the first half of a step.
@@ -30,6 +30,11 @@ impl Splitting {
     /// most `longest` long.
     pub fn close(&mut self, system: &mut System, until: f64, longest: f64, meter: &mut dyn Meter) -> Result<(), Fault> {
         system.next = if system.clock.synchronous() { system.clock.next_base(until, longest) } else { system.clock };
+        meter.enter(Phase::Tree);
+        let (domain, clock) = (system.domain, system.clock);
+        system.gas.refit(&domain, &clock);
+        system.dust.refit(&domain, &clock);
+        meter.count(0, 0);
         for operator in &mut self.operators {
             operator.prepare(system, meter)?;
         }

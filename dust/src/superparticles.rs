@@ -2,7 +2,7 @@
 
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
-use nbody::points::{Columns, Dimension, Label, Scratch, Tree};
+use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
 
 columns! {
     /// State of the superparticles, code units.
@@ -101,6 +101,25 @@ impl Dust {
         self.derived.permute(&self.curve.order, &mut self.scratch);
         self.rates.permute(&self.curve.order, &mut self.scratch);
         self.tree.build(&self.particles.x, &self.curve.keys, LEAF);
+    }
+
+    /// Brings the tree up to date with positions that moved; at the ends of base steps that means to sort anew.
+    pub fn refit(&mut self, domain: &Domain, clock: &Clock) {
+        if clock.synchronous() {
+            for x in &mut self.particles.x {
+                domain.wrap(x);
+            }
+            self.sort();
+        } else {
+            self.tree.refit(&self.particles.x);
+        }
+    }
+
+    /// Dust as it was saved; the next end of a base step sorts it.
+    pub fn restored(particles: Superparticles, rates: Rates) -> Self {
+        let mut dust = Self { particles, rates, ..Self::default() };
+        dust.derived.resize(dust.particles.len());
+        dust
     }
 
     /// Removes the superparticles whose flag is false, and builds the tree anew.
