@@ -1,0 +1,250 @@
+//! The kernels: pull of a block of point masses, or of quadrupoles, on a few targets; wide over the sources.
+//!
+//! Points:      a = sum m d / q^3,  phi = -sum m / q,  q^2 = d^2 + eps_i^2 + eps_j^2,  d from target to source.
+//! Quadrupoles: a = sum d/q^3 (m + 15/2 u.S.u - 3/2 tr S) - 3 S.u / q^2,  with u = d/q and S = (sum m x x)/q^2,
+//! the gradient of phi = -sum m/q + (3 u.S.u - tr S) / (2 q); second moments keep their trace, which softening makes felt.
+//! Partial sums of a block are made in the element type, sums over blocks in f64.
+//! Lengths are in units of the target group's size, so that no power of q leaves the range of f32.
+
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
+
+use super::lanes::{Lanes, Real};
+
+/// Targets that one pass over a block serves.
+pub const ABREAST: usize = 4;
+/// Sources in a block of points, and of quadrupoles: what fits the first cache.
+pub const POINTS: usize = 1024;
+pub const QUADRUPOLES: usize = 512;
+/// Columns are padded to a multiple of this many entries.
+const PADDING: usize = 16;
+
+/// Columns of reals of one length; entries from `len` up to the next multiple of the lanes are harmless padding.
+#[derive(Clone, Debug)]
+pub struct Block<E, const COLUMNS: usize> {
+    pub columns: [Vec<E>; COLUMNS],
+    pub len: usize,
+}
+
+/// x, y, z, eps^2, m.
+pub type Points<E> = Block<E, 5>;
+/// x, y, z, eps^2, m, 3 S (xx, yy, zz, xy, xz, yz), 3/2 tr S.
+pub type Quadrupoles<E> = Block<E, 12>;
+/// x, y, z, eps^2.
+pub type Targets<E> = Block<E, 4>;
+
+impl<E: Real, const COLUMNS: usize> Block<E, COLUMNS> {
+    pub fn with_capacity(capacity: usize) -> Self {
+        let column = || vec![E::from_f64(0.0); capacity.next_multiple_of(PADDING)];
+        Self {
+            columns: std::array::from_fn(|_| column()),
+            len: 0,
+        }
+    }
+
+    /// Fills up to the next multiple of the lanes with massless, softened entries at the centre.
+    #[inline(always)]
+    pub fn pad(&mut self) {
+        for i in self.len..self.len.next_multiple_of(PADDING) {
+            for (c, column) in self.columns.iter_mut().enumerate() {
+                column[i] = E::from_f64(if c == 3 { 1.0 } else { 0.0 });
+            }
+        }
+    }
+}
+
+/// Pull on one target, in units of the group.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pull {
+    pub a: [f64; 3],
+    pub phi: f64,
+}
+
+/// Targets abreast, each coordinate in all lanes.
+struct Abreast<V> {
+    x: [V; ABREAST],
+    y: [V; ABREAST],
+    z: [V; ABREAST],
+    e: [V; ABREAST],
+}
+
+#[inline(always)]
+fn abreast<S: Simd, E: Real>(simd: S, targets: &Targets<E>, first: usize) -> Abreast<E::Native<S>> {
+    let lanes = |column: usize| {
+        std::array::from_fn(
+            #[inline(always)]
+            |k| E::Native::<S>::splat(simd, targets.columns[column][first + k]),
+        )
+    };
+    Abreast {
+        x: lanes(0),
+        y: lanes(1),
+        z: lanes(2),
+        e: lanes(3),
+    }
+}
+
+#[inline(always)]
+fn same<S: Simd, E: Real>(simd: S, value: f64) -> E::Native<S> {
+    E::Native::<S>::splat(simd, E::from_f64(value))
+}
+
+#[inline(always)]
+fn load<S: Simd, E: Real, const C: usize>(
+    simd: S,
+    block: &Block<E, C>,
+    column: usize,
+    i: usize,
+) -> E::Native<S> {
+    E::Native::<S>::from_slice(simd, &block.columns[column][i..i + E::Native::<S>::LEN])
+}
+
+/// Separation and softened square of the distance from target `k` to the sources at `i`.
+#[inline(always)]
+fn separation<S: Simd, E: Real, const C: usize>(
+    simd: S,
+    t: &Abreast<E::Native<S>>,
+    k: usize,
+    block: &Block<E, C>,
+    i: usize,
+) -> ([E::Native<S>; 3], E::Native<S>) {
+    let dx = load(simd, block, 0, i) - t.x[k];
+    let dy = load(simd, block, 1, i) - t.y[k];
+    let dz = load(simd, block, 2, i) - t.z[k];
+    let e = load(simd, block, 3, i) + t.e[k];
+    ([dx, dy, dz], dz.mul_add(dz, dy.mul_add(dy, dx.mul_add(dx, e))))
+}
+
+/// Adds the pull of `block` to `pulls`. With `NEAR`, pairs with q^2 <= `closest` are left out and counted in `hits`.
+#[inline(always)]
+pub fn pull_of_points<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bool, const NEAR: bool>(
+    simd: S,
+    targets: &Targets<E>,
+    block: &Points<E>,
+    closest: E,
+    pulls: &mut [Pull],
+    hits: &mut [u32],
+) {
+    let (zero, one) = (same::<S, E>(simd, 0.0), same::<S, E>(simd, 1.0));
+    let (slope, offset) = (same::<S, E>(simd, -1.5), same::<S, E>(simd, 2.5));
+    let closest = E::Native::<S>::splat(simd, closest);
+    for first in (0..targets.len).step_by(ABREAST) {
+        let t = abreast(simd, targets, first);
+        let mut a = [[zero; 3]; ABREAST];
+        let mut phi = [zero; ABREAST];
+        let mut near = [zero; ABREAST];
+        for i in (0..block.len).step_by(E::Native::<S>::LEN) {
+            let m = load(simd, block, 4, i);
+            for k in 0..ABREAST {
+                let (d, q) = separation(simd, &t, k, block, i);
+                // m q^(-3/2) from the estimate y: y^3 (5 - 3 q y^2) / 2 is right to second order.
+                let y = R::inverse_root(simd, q);
+                let y2 = y * y;
+                let my = m * y;
+                let t = q * y2;
+                let mut w = my * y2 * t.mul_add(slope, offset);
+                let mut p = zero;
+                if POTENTIAL {
+                    p = my * t.mul_add(same::<S, E>(simd, -0.5), offset - one);
+                }
+                if NEAR {
+                    let far = q.simd_gt(closest);
+                    w = far.select(w, zero);
+                    p = far.select(p, zero);
+                    near[k] += far.select(zero, one);
+                }
+                for axis in 0..3 {
+                    a[k][axis] = d[axis].mul_add(w, a[k][axis]);
+                }
+                if POTENTIAL {
+                    phi[k] += p;
+                }
+            }
+        }
+        for k in 0..ABREAST.min(targets.len - first) {
+            let pull = &mut pulls[first + k];
+            for axis in 0..3 {
+                pull.a[axis] += R::sum(a[k][axis]);
+            }
+            if POTENTIAL {
+                pull.phi -= R::sum(phi[k]);
+            }
+            if NEAR {
+                hits[first + k] = R::sum(near[k]) as u32;
+            }
+        }
+    }
+}
+
+/// Calls `visit` with every source of `block` that [`pull_of_points`] left out for target `target`.
+#[inline(always)]
+pub fn each_near<S: Simd, E: Real>(
+    simd: S,
+    targets: &Targets<E>,
+    target: usize,
+    block: &Points<E>,
+    closest: E,
+    mut visit: impl FnMut(usize),
+) {
+    let first = target - target % ABREAST;
+    let t = abreast(simd, targets, first);
+    let closest = E::Native::<S>::splat(simd, closest);
+    for i in (0..block.len).step_by(E::Native::<S>::LEN) {
+        let (_, q) = separation(simd, &t, target - first, block, i);
+        let mut bits = (!q.simd_gt(closest)).to_bitmask();
+        while bits != 0 {
+            visit(i + bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+        }
+    }
+}
+
+/// Adds the pull of a block of quadrupoles to `pulls`.
+#[inline(always)]
+pub fn pull_of_quadrupoles<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bool>(
+    simd: S,
+    targets: &Targets<E>,
+    block: &Quadrupoles<E>,
+    pulls: &mut [Pull],
+) {
+    let zero = same::<S, E>(simd, 0.0);
+    let (half, three_halves, five_halves) = (same::<S, E>(simd, 0.5), same::<S, E>(simd, 1.5), same::<S, E>(simd, 2.5));
+    for first in (0..targets.len).step_by(ABREAST) {
+        let t = abreast(simd, targets, first);
+        let mut a = [[zero; 3]; ABREAST];
+        let mut phi = [zero; ABREAST];
+        for i in (0..block.len).step_by(E::Native::<S>::LEN) {
+            for k in 0..ABREAST {
+                let (d, q) = separation(simd, &t, k, block, i);
+                let y = R::inverse_root(simd, q);
+                let y = y * (q * y * y).mul_add(-half, three_halves);
+                let y2 = y * y;
+                let [ux, uy, uz] = [d[0] * y, d[1] * y, d[2] * y];
+                let (xx, yy, zz) = (load(simd, block, 5, i), load(simd, block, 6, i), load(simd, block, 7, i));
+                let (xy, xz, yz) = (load(simd, block, 8, i), load(simd, block, 9, i), load(simd, block, 10, i));
+                let gx = xx.mul_add(ux, xy.mul_add(uy, xz * uz));
+                let gy = xy.mul_add(ux, yy.mul_add(uy, yz * uz));
+                let gz = xz.mul_add(ux, yz.mul_add(uy, zz * uz));
+                let ug = ux.mul_add(gx, uy.mul_add(gy, uz * gz));
+                let trace = load(simd, block, 11, i);
+                let c = y2 * y2.mul_add(five_halves.mul_add(ug, -trace), load(simd, block, 4, i));
+                let y4 = -(y2 * y2);
+                a[k][0] = ux.mul_add(c, gx.mul_add(y4, a[k][0]));
+                a[k][1] = uy.mul_add(c, gy.mul_add(y4, a[k][1]));
+                a[k][2] = uz.mul_add(c, gz.mul_add(y4, a[k][2]));
+                if POTENTIAL {
+                    let second = half.mul_add(ug, trace * same::<S, E>(simd, -1.0 / 3.0));
+                    phi[k] = y.mul_add(y2.mul_add(second, load(simd, block, 4, i)), phi[k]);
+                }
+            }
+        }
+        for k in 0..ABREAST.min(targets.len - first) {
+            let pull = &mut pulls[first + k];
+            for axis in 0..3 {
+                pull.a[axis] += R::sum(a[k][axis]);
+            }
+            if POTENTIAL {
+                pull.phi -= R::sum(phi[k]);
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Moments of the nodes: mass m, centre of mass c, mean softening, and second moments about the centre of mass.
+//!
+//! S = sum m (x - c)(x - c), exactly shifted from children to parents: S_parent = sum S + m (c - c_parent)(c - c_parent).
+//! Masses are in units of the total mass, the rest in code units. eps^2 is the mass-weighted mean of the squares.
+
+use rayon::prelude::*;
+
+use crate::points::{Tree, Vec3, sum::Parts};
+
+use super::direct::Sources;
+
+/// Moments of one node.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    pub m: f64,
+    pub centre: Vec3,
+    pub eps2: f64,
+    /// xx, yy, zz, xy, xz, yz
+    pub second: [f64; 6],
+}
+
+impl Moment {
+    pub fn trace(&self) -> f64 {
+        self.second[0] + self.second[1] + self.second[2]
+    }
+
+    /// Moments of several parts together.
+    pub fn of(parts: impl Iterator<Item = Moment> + Clone) -> Self {
+        let mut sum = Self::default();
+        for part in parts.clone() {
+            sum.m += part.m;
+            sum.centre += part.m * part.centre;
+            sum.eps2 += part.m * part.eps2;
+        }
+        if sum.m > 0.0 {
+            sum.centre /= sum.m;
+            sum.eps2 /= sum.m;
+        }
+        for part in parts {
+            let d = part.centre - sum.centre;
+            let products = [
+                d.x * d.x,
+                d.y * d.y,
+                d.z * d.z,
+                d.x * d.y,
+                d.x * d.z,
+                d.y * d.z,
+            ];
+            for (second, (own, product)) in
+                sum.second.iter_mut().zip(part.second.iter().zip(products))
+            {
+                *second += own + part.m * product;
+            }
+        }
+        sum
+    }
+}
+
+/// Moments of all nodes of `tree`, leaves from their particles, parents from their children.
+pub fn refresh(tree: &Tree, sources: &Sources, moments: &mut Vec<Moment>) {
+    moments.clear();
+    moments.resize(tree.nodes.len(), Moment::default());
+    let parts = Parts::new(moments);
+    tree.leaves.par_iter().with_min_len(64).for_each(|&leaf| {
+        let leaf = leaf as usize;
+        let points = sources.of(tree.nodes[leaf].range()).map(|j| Moment {
+            m: sources.m[j],
+            centre: sources.position(j),
+            eps2: sources.eps2[j],
+            second: [0.0; 6],
+        });
+        // SAFETY: each leaf is listed once.
+        let moment = &mut unsafe { parts.part(leaf..leaf + 1) }[0];
+        *moment = Moment::of(points);
+    });
+    for i in (0..tree.nodes.len()).rev() {
+        if let Some((left, right)) = tree.children(i) {
+            moments[i] = Moment::of([moments[left], moments[right]].into_iter());
+        }
+    }
+}
