@@ -1,5 +1,23 @@
 //! Gas: self-gravitating smoothed particle hydrodynamics.
 
+pub mod alone;
+pub mod density;
+pub mod eos;
+pub mod forces;
+pub mod hydro;
+pub mod kernel;
+pub mod neighbours;
 pub mod particles;
+#[cfg(test)]
+mod samples;
+pub mod timestep;
+pub mod totals;
+pub mod viscosity;
 
+pub use eos::Eos;
+pub use hydro::Hydro;
+pub use kernel::{CubicSpline, Kernel, KernelKind, WendlandC2};
 pub use particles::{Derived, Gas, Particles, Rates};
+pub use timestep::Heat;
+pub use totals::Totals;
+pub use viscosity::Viscosity;

@@ -7,7 +7,7 @@
 
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
-use nbody::points::{Columns, Dimension, Label, Scratch, Tree};
+use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
 
 columns! {
     /// State of gas particles, code units.
@@ -95,9 +95,19 @@ pub struct Gas {
     pub derived: Derived,
     pub rates: Rates,
     pub tree: Tree,
+    /// Largest kernel support a node, of all its particles and of the active ones; of the last force sweep.
+    pub(crate) extent: Vec<f64>,
+    pub(crate) active_extent: Vec<f64>,
+    /// The tick by which a neighbour wants each particle to end its step; of the last force sweep.
+    pub(crate) wake: Vec<u32>,
+    /// Size of the leaves altogether when the gas was sorted.
+    leaf_size: f64,
     curve: Curve,
     scratch: Scratch,
 }
+
+/// How much the leaves may grow together before the gas is sorted anew.
+const GROWTH: f64 = 1.25;
 
 impl Gas {
     /// Gas at rest on the clock, predicted where it is.
@@ -131,6 +141,25 @@ impl Gas {
         self.derived.permute(&self.curve.order, &mut self.scratch);
         self.rates.permute(&self.curve.order, &mut self.scratch);
         self.tree.build(&self.particles.x, &self.curve.keys, LEAF);
+        self.leaf_size = self.size_of_leaves();
+    }
+
+    /// Brings the tree up to date with positions that moved. At the ends of base steps, and when the leaves have grown too much, that means
+    /// to bring positions back into the box and to sort anew.
+    pub fn refit(&mut self, domain: &Domain, clock: &Clock) {
+        self.tree.refit(&self.particles.x);
+        if clock.synchronous() || self.size_of_leaves() > GROWTH * self.leaf_size {
+            for x in &mut self.particles.x {
+                domain.wrap(x);
+            }
+            self.sort();
+        }
+    }
+
+    fn size_of_leaves(&self) -> f64 {
+        let nodes = &self.tree.nodes;
+        let size = |&leaf: &u32| (nodes[leaf as usize].hi - nodes[leaf as usize].lo).norm();
+        self.tree.leaves.iter().map(size).sum()
     }
 
     /// Removes the particles whose flag is false, and builds the tree anew.

@@ -1,0 +1,121 @@
+//! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
+//!
+//! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps]
+
+use std::f64::consts::TAU;
+
+use gas::{Eos, Gas, Hydro, KernelKind, Particles};
+use nbody::points::random::{Purpose, stream};
+use nbody::points::{Clock, Columns, Domain, Vec3};
+use rand::RngExt;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let number = |place: usize, default: f64| match words.get(place) {
+        Some(word) => word.parse().expect("a number"),
+        None => default,
+    };
+    let domain = Domain::periodic(Vec3::repeat(1.0));
+    let mut hydro = Hydro::new(domain, Eos::Ideal { gamma: 5.0 / 3.0 });
+    if words.get(1).is_some_and(|word| word == "cubic") {
+        hydro.kernel = KernelKind::CubicSpline;
+    }
+    hydro.neighbours = number(2, hydro.neighbours);
+    let mut gas = jittered(number(0, 48.0) as usize);
+    let mut cost = [
+        ("density", 0.0),
+        ("steps", 0.0),
+        ("forces", 0.0),
+        ("kicks", 0.0),
+        ("drift", 0.0),
+        ("tree", 0.0),
+    ];
+    let mut timed = |phase: usize, work: &mut dyn FnMut()| {
+        let start = cpu_seconds();
+        work();
+        cost[phase].1 += cpu_seconds() - start;
+    };
+    let mut clock = Clock::standing(0.0);
+    gas.density(&hydro, &clock, Vec3::zeros())
+        .expect("a density");
+    gas.forces(&hydro, &clock, &clock);
+    let (steps, mut updates) = (number(3, 10.0) as usize, 0);
+    let base = 0.1;
+    for _ in 0..steps {
+        let next = if clock.synchronous() {
+            clock.next_base(clock.end + base, base)
+        } else {
+            clock
+        };
+        timed(0, &mut || {
+            updates += gas
+                .density(&hydro, &clock, Vec3::zeros())
+                .expect("a density")
+        });
+        timed(1, &mut || {
+            gas.steps(&hydro, &clock, &next, base).expect("a step");
+        });
+        timed(2, &mut || {
+            gas.forces(&hydro, &clock, &next);
+        });
+        timed(3, &mut || {
+            gas.close(&hydro, &clock);
+            gas.open(&hydro, &clock, &next);
+        });
+        let tick = gas.next_tick();
+        timed(4, &mut || {
+            gas.drift(f64::from(tick - next.tick) * next.unit(), &domain)
+        });
+        clock = Clock { tick, ..next };
+        timed(5, &mut || gas.refit(&domain, &clock));
+    }
+    println!(
+        "N {} {:?} {} neighbours, {updates} updates in {steps} steps",
+        gas.len(),
+        hydro.kernel,
+        hydro.neighbours
+    );
+    let each = |cpu: f64| cpu / updates as f64 * 1e6;
+    for (phase, cpu) in cost {
+        println!("{phase:8} {:.3} us an update", each(cpu));
+    }
+    println!(
+        "whole    {:.3} us an update",
+        each(cost.iter().map(|c| c.1).sum())
+    );
+}
+
+fn jittered(n: usize) -> Gas {
+    let mut particles = Particles::default();
+    let d = 1.0 / n as f64;
+    for i in 0..n * n * n {
+        let mut random = stream(1, Purpose::GasPositions, i as u64, 0);
+        let place = [i % n, i / n % n, i / n / n];
+        let x = place.map(|k| (k as f64 + 0.5 + 0.2 * (2.0 * random.random::<f64>() - 1.0)) * d);
+        let (a, b) = ((TAU * x[0]).sin_cos(), (TAU * x[1]).sin_cos());
+        particles.x.push(Vec3::from(x));
+        particles
+            .v
+            .push(0.3 * Vec3::new(a.0 * b.1, -a.1 * b.0, 0.0));
+        particles.id.push(i as u64);
+    }
+    particles.resize(n * n * n);
+    particles.m.fill(d.powi(3));
+    particles.u.fill(1.5);
+    Gas::new(particles)
+}
+
+/// CPU time of all threads so far.
+fn cpu_seconds() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").expect("a Linux system");
+    let times = threads.map(|thread| {
+        let path = thread.expect("a thread").path().join("schedstat");
+        let line = std::fs::read_to_string(path).expect("a thread's times");
+        let word = line
+            .split_whitespace()
+            .next()
+            .expect("the time on a processor");
+        word.parse::<f64>().expect("a number") * 1e-9
+    });
+    times.sum()
+}

@@ -1,0 +1,75 @@
+//! The settings of the hydrodynamics, and the defaults that they have.
+
+use nbody::points::{Boundary, Domain};
+
+use crate::kernel::unit_sphere;
+use crate::{Eos, KernelKind, Viscosity};
+
+/// What the gas of a scene is and how it is solved; constant over a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hydro {
+    pub domain: Domain,
+    pub kernel: KernelKind,
+    /// Wanted smooth neighbour number V_d H^d n.
+    pub neighbours: f64,
+    /// Relative error of h.
+    pub tolerance: f64,
+    /// h of a particle that has too few neighbours; infinite: what encloses all gas.
+    pub largest_h: f64,
+    pub eos: Eos,
+    pub viscosity: Viscosity,
+    /// C in dt <= 2 C h / v_sig; v_sig is about twice the sound speed.
+    pub courant: f64,
+    /// C in dt <= C sqrt(h / |acceleration|).
+    pub force_factor: f64,
+    /// Internal energy below which gas does not cool by expansion.
+    pub least_u: f64,
+}
+
+impl Hydro {
+    /// Settings that suit most scenes.
+    pub fn new(domain: Domain, eos: Eos) -> Self {
+        Self {
+            domain,
+            kernel: KernelKind::WendlandC2,
+            neighbours: if domain.dimensions() == 3 { 64.0 } else { 24.0 },
+            tolerance: 1e-4,
+            largest_h: f64::INFINITY,
+            eos,
+            viscosity: Viscosity::Constant {
+                alpha: 1.0,
+                beta: 2.0,
+            },
+            courant: 0.25,
+            force_factor: 0.25,
+            least_u: 0.0,
+        }
+    }
+
+    /// 2 or 3.
+    pub fn dimensions(&self) -> usize {
+        self.domain.dimensions()
+    }
+
+    /// Kernel support by smoothing length, H / h.
+    pub fn support(&self) -> f64 {
+        self.kernel.support(self.dimensions())
+    }
+
+    /// Radius within which the wanted neighbours are, if there are `density` particles a volume.
+    pub fn reach_at(&self, density: f64) -> f64 {
+        let d = self.dimensions();
+        (self.neighbours / (unit_sphere(d) * density)).powf(1.0 / d as f64)
+    }
+
+    /// The largest kernel support of gas that fills a box of diagonal `extent`.
+    pub(crate) fn largest_reach(&self, extent: f64) -> f64 {
+        let set = self.support() * self.largest_h;
+        match self.domain.boundary {
+            Boundary::Periodic { size } => set.min(4.0 * size.max()),
+            Boundary::Open if set.is_finite() => set,
+            Boundary::Open if extent > 0.0 => 2.0 * extent,
+            Boundary::Open => 1.0,
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Artificial viscosity: a pressure between approaching particles.
+//!
+//! Pi = (-alpha c mu + beta mu^2) / rho,   mu = h v_ij.r_ij / (r^2 + 0.01 h^2)   for v_ij.r_ij < 0, else 0
+//!
+//! with alpha, c, rho and h the means of the pair; alpha_i is the column `alpha`, and beta follows it in a fixed ratio.
+//! Sources: Monaghan & Gingold (1983), Monaghan (1992); switch: Balsara (1995).
+
+/// How alpha of a particle follows from its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Viscosity {
+    None,
+    Constant {
+        alpha: f64,
+        beta: f64,
+    },
+    /// Constant times |div v| / (|div v| + |curl v| + 1e-4 c / h).
+    Balsara {
+        alpha: f64,
+        beta: f64,
+    },
+}
+
+/// What the gas around a particle does.
+#[derive(Clone, Copy, Debug)]
+pub struct Flow {
+    pub div_v: f64,
+    pub curl_v: f64,
+    pub cs: f64,
+    pub h: f64,
+}
+
+impl Viscosity {
+    /// alpha of a particle in `flow`.
+    pub fn alpha(&self, flow: Flow) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Constant { alpha, .. } => alpha,
+            Self::Balsara { alpha, .. } => {
+                let div = flow.div_v.abs();
+                alpha * div / (div + flow.curl_v + 1e-4 * flow.cs / flow.h)
+            }
+        }
+    }
+
+    /// beta by alpha.
+    pub fn ratio(&self) -> f64 {
+        match *self {
+            Self::None => 0.0,
+            Self::Constant { alpha, beta } | Self::Balsara { alpha, beta } => {
+                assert!(
+                    alpha > 0.0 && beta >= 0.0,
+                    "viscosity has a positive alpha and a beta of at least zero"
+                );
+                beta / alpha
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_switch_is_one_in_compression_and_zero_in_rotation() {
+        let switch = Viscosity::Balsara {
+            alpha: 1.0,
+            beta: 2.0,
+        };
+        let flow = Flow {
+            div_v: -3.0,
+            curl_v: 0.0,
+            cs: 1.0,
+            h: 0.1,
+        };
+        // 3 / (3 + 1e-3) and 0.
+        assert!((switch.alpha(flow) - 3.0 / 3.001).abs() < 1e-15);
+        let turning = Flow {
+            div_v: 0.0,
+            curl_v: 3.0,
+            ..flow
+        };
+        assert_eq!(switch.alpha(turning), 0.0);
+        assert_eq!(switch.ratio(), 2.0);
+        assert_eq!(Viscosity::None.alpha(flow), 0.0);
+    }
+}
