@@ -1,6 +1,8 @@
 //! Dust: superparticles, each standing for a swarm of equal grains.
 
 pub mod motion;
+pub mod stopping;
 pub mod superparticles;
 
+pub use stopping::{Ambient, Molecules, Sphere, StoppingLaw};
 pub use superparticles::{Derived, Dust, Rates, Superparticles};

@@ -8,6 +8,7 @@ pub mod hydro;
 pub mod kernel;
 pub mod neighbours;
 pub mod particles;
+pub mod probe;
 #[cfg(test)]
 mod samples;
 pub mod timestep;
