@@ -1,0 +1,288 @@
+//! The bodies of a scene: planetesimals and planets.
+
+use std::f64::consts::PI;
+
+use super::Facts;
+use super::frame::time_step;
+use super::gas::MOST_PARTICLES;
+use crate::reader::{Range, Section};
+use crate::scene::{BodyDrag, Collisions, Integrator, Orbit, Planet, Planetesimals};
+use crate::units::{Kind, System};
+
+pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals> {
+    let section = root.section("planetesimals");
+    if !section.present && !facts.has_planets {
+        return None;
+    }
+    let given = section.whole("number", 0, MOST_PARTICLES);
+    let number = given.unwrap_or(0) as usize;
+    if number == 0 && section.present && !facts.has_planets && !facts.has_file {
+        section.wrong(
+            "number",
+            "needs number, at least 1, a [[planet]] or an initial.file",
+        );
+    }
+    let belt = Belt::of(&section, number);
+    let softening = section.quantity("softening", Kind::LENGTH, Range::NOT_NEGATIVE);
+    let bodies = Planetesimals {
+        number,
+        mass: belt.mass,
+        inner_radius: belt.inner_radius,
+        outer_radius: belt.outer_radius,
+        slope: belt.slope,
+        eccentricity: belt.eccentricity,
+        inclination: belt.inclination,
+        density: belt.density,
+        integrator: integrator(&section),
+        softening: softening.unwrap_or(0.0),
+        time_step: time_step(&section),
+        drag: drag(&section, facts, number),
+        collisions: collisions(&section),
+    };
+    if number > 0 && facts.star_mass.is_nan() {
+        section.wrong("number", "needs a [star] to orbit");
+    }
+    section.close();
+    Some(bodies)
+}
+
+/// The generated belt of planetesimals.
+#[derive(Default)]
+struct Belt {
+    mass: f64,
+    inner_radius: f64,
+    outer_radius: f64,
+    slope: f64,
+    eccentricity: f64,
+    inclination: f64,
+    density: f64,
+}
+
+impl Belt {
+    fn of(section: &Section<'_>, number: usize) -> Self {
+        let mass = body_mass(section, number);
+        let inner = section.quantity("inner_radius", Kind::LENGTH, Range::POSITIVE);
+        let outer = section.quantity("outer_radius", Kind::LENGTH, Range::POSITIVE);
+        let slope = section.number("slope", Range::ANY).unwrap_or(-1.5);
+        let eccentricity = section.number("eccentricity", Range::ECCENTRICITY);
+        let inclination = section.quantity("inclination", Kind::ANGLE, INCLINATION);
+        let density = section.quantity("density", Kind::DENSITY, Range::NOT_NEGATIVE);
+        if number == 0 {
+            section.misplaced(
+                &[
+                    "mass",
+                    "total_mass",
+                    "inner_radius",
+                    "outer_radius",
+                    "slope",
+                    "eccentricity",
+                    "inclination",
+                    "density",
+                ],
+                "describes generated planetesimals: give planetesimals.number too",
+            );
+            return Self::default();
+        }
+        let what = "a length such as \"1 au\"";
+        let eccentricity = eccentricity.unwrap_or(0.01);
+        Self {
+            mass,
+            inner_radius: section.required("inner_radius", inner, what, f64::NAN),
+            outer_radius: section.required("outer_radius", outer, what, f64::NAN),
+            slope,
+            eccentricity,
+            inclination: inclination.unwrap_or(0.5 * eccentricity),
+            density: density.unwrap_or_else(|| rock(section, 2.0)),
+        }
+    }
+}
+
+const INCLINATION: Range = Range {
+    test: |i| (0.0..=PI).contains(&i),
+    text: "from 0 to 180 deg",
+};
+
+/// Mass of each body, given or as a share of the total.
+fn body_mass(section: &Section<'_>, number: usize) -> f64 {
+    let mass = section.quantity("mass", Kind::MASS, Range::NOT_NEGATIVE);
+    let total = section.quantity("total_mass", Kind::MASS, Range::NOT_NEGATIVE);
+    section.exclusive("mass", "total_mass");
+    if number > 0 && !section.has("mass") && !section.has("total_mass") {
+        section.wrong(
+            "mass",
+            "needs mass, of each, or total_mass, such as \"1 Mearth\"",
+        );
+    }
+    match (mass, total) {
+        (Some(mass), _) => mass,
+        (None, Some(total)) => total / number as f64,
+        (None, None) => f64::NAN,
+    }
+}
+
+/// Material of `cgs` g/cm^3; without a size in dimensionless scenes.
+fn rock(section: &Section<'_>, cgs: f64) -> f64 {
+    let units = section.units();
+    match units.system {
+        System::Dimensionless => 0.0,
+        _ => cgs / units.cgs(Kind::DENSITY.dimension),
+    }
+}
+
+fn integrator(section: &Section<'_>) -> Integrator {
+    let options = [
+        ("auto", Integrator::Auto),
+        ("leapfrog", Integrator::Leapfrog),
+        ("wisdom-holman", Integrator::WisdomHolman),
+        ("gauss-radau", Integrator::GaussRadau),
+    ];
+    section
+        .choice("integrator", &options, &["hermite", "hybrid"])
+        .unwrap_or(Integrator::Auto)
+}
+
+fn collisions(bodies: &Section<'_>) -> Collisions {
+    let section = bodies.section("collisions");
+    let options = [("none", Collisions::None), ("merge", Collisions::Merge)];
+    let outcome = section.choice("outcome", &options, &["bounce", "fragment"]);
+    section.close();
+    outcome.unwrap_or(Collisions::None)
+}
+
+fn drag(bodies: &Section<'_>, facts: &Facts, number: usize) -> BodyDrag {
+    let section = bodies.section("drag");
+    let laws = [
+        ("none", 0),
+        ("adachi", 1),
+        ("constant-stopping-time", 2),
+        ("quadratic", 3),
+    ];
+    let given = section.choice("law", &laws, &[]);
+    let by_default = facts.has_gas && number > 0 && facts.dimensions == 3;
+    let law = given.unwrap_or(usize::from(by_default));
+    if law != 0 && !facts.has_gas {
+        section.wrong(
+            "law",
+            "needs [gas] to rub against; without gas allowed is \"none\"",
+        );
+    }
+    let time = section.quantity("stopping_time", Kind::TIME, Range::POSITIVE);
+    let coefficient = section.quantity("coefficient", Kind::PER_LENGTH, Range::POSITIVE);
+    if law != 2 {
+        section.misplaced(
+            &["stopping_time"],
+            "belongs to law = \"constant-stopping-time\"",
+        );
+    }
+    if law != 3 {
+        section.misplaced(&["coefficient"], "belongs to law = \"quadratic\"");
+    }
+    let drag = match law {
+        0 => BodyDrag::None,
+        1 => BodyDrag::Adachi,
+        2 => BodyDrag::ConstantStoppingTime(section.required(
+            "stopping_time",
+            time,
+            "a time such as \"1 yr\"",
+            f64::NAN,
+        )),
+        _ => BodyDrag::Quadratic(section.required(
+            "coefficient",
+            coefficient,
+            "an inverse length such as \"1e-9 1/au\"",
+            f64::NAN,
+        )),
+    };
+    section.close();
+    drag
+}
+
+pub fn planets(root: &Section<'_>, facts: &Facts) -> Vec<Planet> {
+    root.sections("planet")
+        .into_iter()
+        .map(|section| planet(section, facts))
+        .collect()
+}
+
+fn planet(section: Section<'_>, facts: &Facts) -> Planet {
+    let mass = section.quantity("mass", Kind::MASS, Range::NOT_NEGATIVE);
+    let mass = section.required("mass", mass, "such as \"1 Mearth\"", f64::NAN);
+    let radius = planet_radius(&section, mass);
+    let orbit = if section.has("position") || section.has("velocity") {
+        state(&section)
+    } else {
+        elements(&section, facts)
+    };
+    section.close();
+    Planet {
+        mass,
+        radius,
+        orbit,
+    }
+}
+
+fn planet_radius(section: &Section<'_>, mass: f64) -> f64 {
+    let radius = section.quantity("radius", Kind::LENGTH, Range::NOT_NEGATIVE);
+    let density = section.quantity("density", Kind::DENSITY, Range::POSITIVE);
+    section.exclusive("density", "radius");
+    radius.unwrap_or_else(|| {
+        let density = density.unwrap_or_else(|| rock(section, 1.0));
+        if density > 0.0 {
+            (3.0 * mass / (4.0 * PI * density)).cbrt()
+        } else {
+            0.0
+        }
+    })
+}
+
+const ELEMENTS: [&str; 6] = [
+    "semi_major_axis",
+    "eccentricity",
+    "inclination",
+    "longitude_of_node",
+    "argument_of_pericentre",
+    "mean_anomaly",
+];
+
+fn state(section: &Section<'_>) -> Orbit {
+    let position = section.vector("position", Kind::LENGTH);
+    let velocity = section.vector("velocity", Kind::VELOCITY);
+    section.misplaced(
+        &ELEMENTS,
+        "cannot stand beside position and velocity: give the one or the other",
+    );
+    let nowhere = nbody::points::Vec3::repeat(f64::NAN);
+    let what = "[x, y, z]; position and velocity go together";
+    Orbit::State {
+        position: section.required("position", position, what, nowhere),
+        velocity: section.required("velocity", velocity, what, nowhere),
+    }
+}
+
+fn elements(section: &Section<'_>, facts: &Facts) -> Orbit {
+    let axis = section.quantity("semi_major_axis", Kind::LENGTH, Range::POSITIVE);
+    let what = "such as \"1 au\", or position and velocity";
+    let angle = |key| {
+        section
+            .quantity(key, Kind::ANGLE, Range::ANY)
+            .unwrap_or(0.0)
+    };
+    let inclination = section.quantity("inclination", Kind::ANGLE, INCLINATION);
+    let orbit = Orbit::Elements {
+        semi_major_axis: section.required("semi_major_axis", axis, what, f64::NAN),
+        eccentricity: section
+            .number("eccentricity", Range::ECCENTRICITY)
+            .unwrap_or(0.0),
+        inclination: inclination.unwrap_or(0.0),
+        longitude_of_node: angle("longitude_of_node"),
+        argument_of_pericentre: angle("argument_of_pericentre"),
+        mean_anomaly: angle("mean_anomaly"),
+    };
+    if facts.star_mass.is_nan() {
+        section.wrong(
+            "semi_major_axis",
+            "needs a [star] to orbit; without one give position and velocity",
+        );
+    }
+    orbit
+}

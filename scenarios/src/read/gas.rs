@@ -1,0 +1,375 @@
+//! The gas of a scene: disk, blocks, equation of state, hydrodynamics, viscosity.
+
+use nbody::points::Vec3;
+
+use super::Facts;
+use crate::reader::{Range, Section};
+use crate::scene::{
+    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Kernel, Lattice,
+    Softening, Thermal, Viscosity,
+};
+use crate::units::Kind;
+
+/// Particles that a population may have.
+pub const MOST_PARTICLES: u64 = 1 << 31;
+
+pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
+    let section = root.section("gas");
+    if !section.present {
+        return None;
+    }
+    let eos = eos(&section, facts);
+    let disk = disk(&section, facts, &eos);
+    let blocks: Vec<GasBlock> = section
+        .sections("block")
+        .into_iter()
+        .map(|entry| gas_block(entry, facts, &eos))
+        .collect();
+    if disk.is_none() && blocks.is_empty() && !facts.has_file && !section.has("disk") {
+        section.wrong("", "needs [gas.disk], [[gas.block]] or an initial.file");
+    }
+    let gas = Gas {
+        particles: disk_particles(&section, "gas.disk", disk.is_some() || section.has("disk")),
+        softening: softening(&section, Softening::SmoothingLength),
+        disk,
+        blocks,
+        eos,
+        cooling: cooling(&section),
+        hydro: hydro(&section, facts),
+        viscosity: viscosity(&section),
+    };
+    let conduction = section.section("conduction");
+    if conduction
+        .number("alpha", Range::NOT_NEGATIVE)
+        .is_some_and(|alpha| alpha > 0.0)
+    {
+        conduction.wrong(
+            "alpha",
+            "conduction is not available in this version; allowed is 0",
+        );
+    }
+    conduction.close();
+    section.close();
+    Some(gas)
+}
+
+/// `particles` of a disk generator.
+pub fn disk_particles(section: &Section<'_>, disk: &str, has_disk: bool) -> usize {
+    let particles = section.whole("particles", 1, MOST_PARTICLES);
+    if has_disk {
+        let what = format!("the particle number of [{disk}]");
+        section.required("particles", particles, &what, 1) as usize
+    } else {
+        if particles.is_some() {
+            section.wrong(
+                "particles",
+                &format!("is the particle number of [{disk}], which the scene does not have"),
+            );
+        }
+        0
+    }
+}
+
+pub fn softening(section: &Section<'_>, default: Softening) -> Softening {
+    if section.is_text("softening", "smoothing-length") {
+        section.text("softening");
+        return Softening::SmoothingLength;
+    }
+    section
+        .quantity("softening", Kind::LENGTH, Range::NOT_NEGATIVE)
+        .map_or(default, Softening::Fixed)
+}
+
+fn eos(gas: &Section<'_>, facts: &Facts) -> Eos {
+    let section = gas.section("eos");
+    let kinds = [("ideal", 0), ("isothermal", 1), ("locally-isothermal", 2)];
+    let later = ["stiffened", "tillotson", "barotropic"];
+    let kind = section.choice("kind", &kinds, &later).unwrap_or(0);
+    let weight = section.number("mean_molecular_weight", Range::POSITIVE);
+    let mean_molecular_weight = weight.unwrap_or(2.34);
+    let eos = match kind {
+        0 => ideal(&section, mean_molecular_weight),
+        1 => isothermal(&section, mean_molecular_weight),
+        _ => locally_isothermal(&section, facts, mean_molecular_weight),
+    };
+    let belongs = [
+        ("gamma", 0, "belongs to kind = \"ideal\""),
+        ("sound_speed", 1, "belongs to kind = \"isothermal\""),
+        (
+            "aspect_ratio",
+            2,
+            "belongs to kind = \"locally-isothermal\"",
+        ),
+        ("exponent", 2, "belongs to kind = \"locally-isothermal\""),
+        (
+            "reference_radius",
+            2,
+            "belongs to kind = \"locally-isothermal\"",
+        ),
+    ];
+    for (key, owner, sentence) in belongs {
+        if kind != owner {
+            section.misplaced(&[key], sentence);
+        }
+    }
+    section.close();
+    eos
+}
+
+fn ideal(section: &Section<'_>, mean_molecular_weight: f64) -> Eos {
+    const GAMMA: Range = Range {
+        test: |gamma| gamma > 1.0,
+        text: "greater than 1; for gamma = 1 take kind = \"isothermal\"",
+    };
+    Eos::Ideal {
+        gamma: section.number("gamma", GAMMA).unwrap_or(5.0 / 3.0),
+        mean_molecular_weight,
+    }
+}
+
+fn isothermal(section: &Section<'_>, mean_molecular_weight: f64) -> Eos {
+    let speed = section.quantity("sound_speed", Kind::VELOCITY, Range::POSITIVE);
+    let what = "a velocity such as \"1 km/s\"";
+    Eos::Isothermal {
+        sound_speed: section.required("sound_speed", speed, what, f64::NAN),
+        mean_molecular_weight,
+    }
+}
+
+fn locally_isothermal(section: &Section<'_>, facts: &Facts, mean_molecular_weight: f64) -> Eos {
+    let ratio = section.number("aspect_ratio", Range::POSITIVE);
+    let aspect_ratio = section.required("aspect_ratio", ratio, "such as 0.05", f64::NAN);
+    let exponent = section.number("exponent", Range::ANY).unwrap_or(0.25);
+    let reference_radius = reference_radius(section);
+    if facts.star_mass.is_nan() {
+        section.wrong(
+            "kind",
+            "needs a [star], about which the sound speed is laid out",
+        );
+    }
+    Eos::LocallyIsothermal {
+        aspect_ratio,
+        sound_speed: aspect_ratio * (facts.gravity * facts.star_mass / reference_radius).sqrt(),
+        exponent,
+        reference_radius,
+        mean_molecular_weight,
+    }
+}
+
+/// Default: 1 au, or 1 in a dimensionless scene.
+fn reference_radius(section: &Section<'_>) -> f64 {
+    let found = section.quantity("reference_radius", Kind::LENGTH, Range::POSITIVE);
+    let units = section.units();
+    found.unwrap_or_else(|| units.value("1 au", Kind::LENGTH).unwrap_or(1.0))
+}
+
+fn disk(gas: &Section<'_>, facts: &Facts, eos: &Eos) -> Option<Disk> {
+    let section = gas.section("disk");
+    if !section.present {
+        return None;
+    }
+    if facts.star_mass.is_nan() {
+        section.wrong("", "needs a [star] to orbit");
+    }
+    let amount = disk_amount(&section);
+    let reference_radius = reference_radius(&section);
+    let (aspect_ratio, exponent) = disk_temperature(&section, facts, eos, reference_radius);
+    let inner = section.quantity("inner_radius", Kind::LENGTH, Range::POSITIVE);
+    let outer = section.quantity("outer_radius", Kind::LENGTH, Range::POSITIVE);
+    let what = "a length such as \"5.2 au\"";
+    let disk = Disk {
+        amount,
+        slope: section.number("slope", Range::ANY).unwrap_or(-1.0),
+        reference_radius,
+        aspect_ratio,
+        exponent,
+        inner_radius: section.required("inner_radius", inner, what, f64::NAN),
+        outer_radius: section.required("outer_radius", outer, what, f64::NAN),
+        taper: section.number("taper", Range::NOT_NEGATIVE).unwrap_or(2.0),
+    };
+    section.close();
+    Some(disk)
+}
+
+fn disk_amount(section: &Section<'_>) -> DiskAmount {
+    let sigma = section.quantity("surface_density", Kind::SURFACE_DENSITY, Range::POSITIVE);
+    let mass = section.quantity("mass", Kind::MASS, Range::POSITIVE);
+    section.exclusive("surface_density", "mass");
+    if !section.has("surface_density") && !section.has("mass") {
+        section.wrong(
+            "",
+            "needs surface_density, such as \"1700 g/cm^2\", or mass",
+        );
+    }
+    match mass {
+        Some(mass) => DiskAmount::Mass(mass),
+        None => DiskAmount::SurfaceDensity(sigma.unwrap_or(f64::NAN)),
+    }
+}
+
+/// Aspect ratio at `radius` and exponent of the sound speed: the scene's, unless the equation of state has them.
+fn disk_temperature(section: &Section<'_>, facts: &Facts, eos: &Eos, radius: f64) -> (f64, f64) {
+    let circular = (facts.gravity * facts.star_mass / radius).sqrt();
+    match *eos {
+        Eos::Ideal { .. } => {
+            let ratio = section.number("aspect_ratio", Range::POSITIVE);
+            let exponent = section.number("exponent", Range::ANY);
+            (
+                section.required("aspect_ratio", ratio, "such as 0.05", f64::NAN),
+                exponent.unwrap_or(0.25),
+            )
+        }
+        Eos::Isothermal { sound_speed, .. } => {
+            section.misplaced(
+                &["aspect_ratio", "exponent"],
+                "follows from gas.eos.sound_speed",
+            );
+            (sound_speed / circular, 0.0)
+        }
+        Eos::LocallyIsothermal {
+            sound_speed,
+            exponent,
+            reference_radius,
+            ..
+        } => {
+            section.misplaced(
+                &["aspect_ratio", "exponent"],
+                "stands in gas.eos, which is locally isothermal",
+            );
+            let local = sound_speed * (radius / reference_radius).powf(-exponent);
+            (local / circular, exponent)
+        }
+    }
+}
+
+fn gas_block(section: Section<'_>, facts: &Facts, eos: &Eos) -> GasBlock {
+    let pressure = section.quantity("pressure", facts.pressure(), Range::POSITIVE);
+    let energy = section.quantity("internal_energy", Kind::SPECIFIC_ENERGY, Range::POSITIVE);
+    section.exclusive("pressure", "internal_energy");
+    let thermal = if !matches!(eos, Eos::Ideal { .. }) {
+        section.misplaced(
+            &["pressure", "internal_energy"],
+            "follows from gas.eos, which is isothermal",
+        );
+        Thermal::Eos
+    } else if let Some(energy) = energy {
+        Thermal::InternalEnergy(energy)
+    } else {
+        if !section.has("pressure") && !section.has("internal_energy") {
+            section.wrong("", "needs pressure or internal_energy");
+        }
+        Thermal::Pressure(pressure.unwrap_or(f64::NAN))
+    };
+    GasBlock {
+        block: block(section, facts),
+        thermal,
+    }
+}
+
+/// The keys that blocks of gas and of dust share.
+pub fn block(section: Section<'_>, facts: &Facts) -> Block {
+    let corner = "a corner of the box, [x, y, z]";
+    let nowhere = Vec3::repeat(f64::NAN);
+    let lo = section.vector("lo", Kind::LENGTH);
+    let hi = section.vector("hi", Kind::LENGTH);
+    let spacing = section.quantity("spacing", Kind::LENGTH, Range::POSITIVE);
+    let density = section.quantity("density", facts.density(), Range::POSITIVE);
+    let lattices = [
+        ("cubic", Lattice::Cubic),
+        ("bcc", Lattice::Bcc),
+        ("random", Lattice::Random),
+    ];
+    let lattice = section.choice("lattice", &lattices, &["glass"]);
+    if facts.dimensions == 2 && lattice == Some(Lattice::Bcc) {
+        section.wrong(
+            "lattice",
+            "is a lattice of three dimensions; allowed in two are \"cubic\", \"random\"",
+        );
+    }
+    let velocity = section.vector("velocity", Kind::VELOCITY);
+    let block = Block {
+        lo: section.required("lo", lo, corner, nowhere),
+        hi: section.required("hi", hi, corner, nowhere),
+        spacing: section.required(
+            "spacing",
+            spacing,
+            "the distance between neighbours",
+            f64::NAN,
+        ),
+        lattice: lattice.unwrap_or(Lattice::Cubic),
+        density: section.required("density", density, facts.density().example(), f64::NAN),
+        velocity: velocity.unwrap_or_else(Vec3::zeros),
+    };
+    section.close();
+    block
+}
+
+fn cooling(gas: &Section<'_>) -> Cooling {
+    let section = gas.section("cooling");
+    section.choice("kind", &[("none", Cooling::None)], &["beta"]);
+    section.later(&["beta"]);
+    section.close();
+    Cooling::None
+}
+
+fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
+    const NEIGHBOURS: Range = Range {
+        test: |n| (6.0..=1000.0).contains(&n),
+        text: "from 6 to 1000",
+    };
+    const TOLERANCE: Range = Range {
+        test: |x| (1e-12..=0.1).contains(&x),
+        text: "from 1e-12 to 0.1",
+    };
+    let section = gas.section("hydro");
+    let formulations = [("density", Formulation::Density)];
+    let formulation = section.choice("formulation", &formulations, &["pressure"]);
+    let kernels = [
+        ("wendland-c2", Kernel::WendlandC2),
+        ("cubic-spline", Kernel::CubicSpline),
+    ];
+    let later = ["quintic-spline", "wendland-c4", "wendland-c6"];
+    let kernel = section.choice("kernel", &kernels, &later);
+    let kernel = kernel.unwrap_or(Kernel::WendlandC2);
+    let neighbours = section.number("neighbours", NEIGHBOURS);
+    let courant = section.number("courant", Range::FRACTION);
+    let tolerance = section.number("tolerance", TOLERANCE);
+    section.close();
+    Hydro {
+        formulation: formulation.unwrap_or(Formulation::Density),
+        kernel,
+        neighbours: neighbours.unwrap_or_else(|| default_neighbours(kernel, facts)),
+        courant: courant.unwrap_or(facts.by_preset([0.4, 0.25, 0.15])),
+        tolerance: tolerance.unwrap_or(facts.by_preset([1e-3, 1e-4, 1e-6])),
+    }
+}
+
+/// The cubic spline pairs above about 60 neighbours in space and 20 in the plane (Dehnen & Aly 2012).
+fn default_neighbours(kernel: Kernel, facts: &Facts) -> f64 {
+    match (kernel, facts.dimensions) {
+        (Kernel::WendlandC2, 2) => facts.by_preset([16.0, 20.0, 28.0]),
+        (Kernel::CubicSpline, 2) => facts.by_preset([13.0, 14.0, 16.0]),
+        (Kernel::WendlandC2, _) => facts.by_preset([50.0, 64.0, 100.0]),
+        (Kernel::CubicSpline, _) => facts.by_preset([40.0, 42.0, 55.0]),
+    }
+}
+
+fn viscosity(gas: &Section<'_>) -> Viscosity {
+    let section = gas.section("viscosity");
+    let kinds = [("none", 0), ("constant", 1), ("balsara", 2)];
+    let later = ["cullen-dehnen", "neumann-richtmyer", "planar"];
+    let kind = section.choice("kind", &kinds, &later).unwrap_or(2);
+    if kind == 0 {
+        section.misplaced(&["alpha", "beta"], "has no place in kind = \"none\"");
+    }
+    let alpha = section.number("alpha", Range::NOT_NEGATIVE).unwrap_or(1.0);
+    let beta = section
+        .number("beta", Range::NOT_NEGATIVE)
+        .unwrap_or(2.0 * alpha);
+    section.close();
+    match kind {
+        0 => Viscosity::None,
+        1 => Viscosity::Constant { alpha, beta },
+        _ => Viscosity::Balsara { alpha, beta },
+    }
+}

@@ -1,0 +1,384 @@
+//! A scene: what is modelled and how, with every default filled in.
+//!
+//! All numbers are in code units of `units` (angles in radians), except wall-clock times, which are in seconds. A population that is
+//! not modelled is `None` here and nowhere else. Made by `Scene::load` or `Scene::parse`; trusted by everything that follows.
+
+use std::path::PathBuf;
+
+use nbody::points::{Domain, Vec3};
+
+use crate::units::Units;
+
+/// A resolved scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Stem of the file's name.
+    pub name: String,
+    pub title: String,
+    pub run: Run,
+    pub units: Units,
+    pub domain: Domain,
+    /// Particles of any population that the scene has, beside or instead of generators; an absolute path.
+    pub initial_file: Option<PathBuf>,
+    pub star: Option<Star>,
+    pub gas: Option<Gas>,
+    pub dust: Option<Dust>,
+    /// Present when the scene has planetesimals or planets: it also says how all bodies move.
+    pub planetesimals: Option<Planetesimals>,
+    pub planets: Vec<Planet>,
+    pub gravity: Gravity,
+    pub coupling: Coupling,
+    pub accuracy: Accuracy,
+}
+
+/// How long, with what output and from what seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    pub end_time: f64,
+    pub snapshots: Snapshots,
+    /// Wall-clock seconds between checkpoints.
+    pub checkpoint: f64,
+    pub seed: u64,
+    /// The base step of everything; bodies may have their own in `Planetesimals::time_step`.
+    pub time_step: TimeStep,
+    pub write_accelerations: bool,
+}
+
+/// When snapshots are written. The start and the end are written too unless it is `None`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Snapshots {
+    None,
+    Every(f64),
+    /// Ascending.
+    At(Vec<f64>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeStep {
+    Auto,
+    Fixed(f64),
+}
+
+/// The star, at the origin and at rest at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Star {
+    pub mass: f64,
+    /// Zero: nothing is accreted.
+    pub accretion_radius: f64,
+}
+
+/// Softening length of gravity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Softening {
+    /// Each particle's own smoothing length.
+    SmoothingLength,
+    Fixed(f64),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gas {
+    /// Particles of the disk; zero without a disk.
+    pub particles: usize,
+    pub softening: Softening,
+    pub disk: Option<Disk>,
+    pub blocks: Vec<GasBlock>,
+    pub eos: Eos,
+    pub cooling: Cooling,
+    pub hydro: Hydro,
+    pub viscosity: Viscosity,
+}
+
+/// A disk about the star: Sigma ~ r^slope between the radii, c_s ~ r^-exponent, H/r = aspect_ratio at the reference radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disk {
+    pub amount: DiskAmount,
+    pub slope: f64,
+    pub reference_radius: f64,
+    /// At `reference_radius`, of the gas's (isothermal) sound speed; agrees with the equation of state.
+    pub aspect_ratio: f64,
+    pub exponent: f64,
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+    /// Width of the edges in scale heights.
+    pub taper: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DiskAmount {
+    /// At the reference radius.
+    SurfaceDensity(f64),
+    /// Of the whole disk.
+    Mass(f64),
+}
+
+/// A box [lo, hi) filled with particles of equal mass. In two dimensions `density` is a mass an area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    pub lo: Vec3,
+    pub hi: Vec3,
+    /// Distance between neighbours on the cubic lattice; every lattice holds one particle in `spacing`^dimensions.
+    pub spacing: f64,
+    pub lattice: Lattice,
+    pub density: f64,
+    pub velocity: Vec3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GasBlock {
+    pub block: Block,
+    pub thermal: Thermal,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lattice {
+    Cubic,
+    Bcc,
+    Random,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Thermal {
+    Pressure(f64),
+    InternalEnergy(f64),
+    /// The equation of state alone sets the pressure.
+    Eos,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Eos {
+    Ideal {
+        gamma: f64,
+        mean_molecular_weight: f64,
+    },
+    Isothermal {
+        sound_speed: f64,
+        mean_molecular_weight: f64,
+    },
+    /// c_s = sound_speed (R / reference_radius)^-exponent, R the distance from the star in the disk's plane.
+    LocallyIsothermal {
+        aspect_ratio: f64,
+        /// At the reference radius: aspect_ratio times the Keplerian speed.
+        sound_speed: f64,
+        exponent: f64,
+        reference_radius: f64,
+        mean_molecular_weight: f64,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cooling {
+    None,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hydro {
+    pub formulation: Formulation,
+    pub kernel: Kernel,
+    pub neighbours: f64,
+    pub courant: f64,
+    /// Relative error of the neighbour number at which the smoothing length is found.
+    pub tolerance: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Formulation {
+    Density,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    WendlandC2,
+    CubicSpline,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Viscosity {
+    None,
+    Constant { alpha: f64, beta: f64 },
+    Balsara { alpha: f64, beta: f64 },
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dust {
+    /// Superparticles of the disk; zero without one.
+    pub particles: usize,
+    pub softening: Softening,
+    /// Of the disk's dust; `None` without one.
+    pub amount: Option<DustAmount>,
+    /// `None`: the initial file says, or no law needs it.
+    pub sizes: Option<Sizes>,
+    pub material_density: f64,
+    /// Dust's scale height by that of the gas.
+    pub scale_height: f64,
+    /// Edges of the dust disk; those of the gas disk unless given. Zero without a disk.
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+    pub blocks: Vec<Block>,
+    pub drag: DustDrag,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DustAmount {
+    DustToGas(f64),
+    Mass(f64),
+}
+
+/// Radii of grains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sizes {
+    One(f64),
+    /// dn/ds ~ s^slope.
+    Range {
+        min: f64,
+        max: f64,
+        slope: f64,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DustDrag {
+    None,
+    Epstein,
+    ConstantStoppingTime(f64),
+    ConstantStokesNumber(f64),
+}
+
+/// The generated belt, and how all bodies (planetesimals, planets, star) move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planetesimals {
+    /// Zero when all bodies are planets or come from a file: then mass to density mean nothing and are zero.
+    pub number: usize,
+    /// Of each.
+    pub mass: f64,
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+    /// Of the surface density.
+    pub slope: f64,
+    /// Root mean square.
+    pub eccentricity: f64,
+    /// Root mean square, radians.
+    pub inclination: f64,
+    /// Zero: bodies without a size.
+    pub density: f64,
+    pub integrator: Integrator,
+    pub softening: f64,
+    pub time_step: TimeStep,
+    pub drag: BodyDrag,
+    pub collisions: Collisions,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integrator {
+    Auto,
+    Leapfrog,
+    WisdomHolman,
+    GaussRadau,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BodyDrag {
+    None,
+    Adachi,
+    ConstantStoppingTime(f64),
+    /// a = -coefficient |v| v; coefficient per length.
+    Quadratic(f64),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Collisions {
+    None,
+    Merge,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planet {
+    pub mass: f64,
+    /// Zero: without a size.
+    pub radius: f64,
+    pub orbit: Orbit,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Orbit {
+    /// About the star; angles in radians.
+    Elements {
+        semi_major_axis: f64,
+        eccentricity: f64,
+        inclination: f64,
+        longitude_of_node: f64,
+        argument_of_pericentre: f64,
+        mean_anomaly: f64,
+    },
+    State {
+        position: Vec3,
+        velocity: Vec3,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gravity {
+    pub method: GravityMethod,
+    pub opening: Opening,
+    /// G in code units.
+    pub constant: f64,
+    pub pulls: Pulls,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GravityMethod {
+    Tree,
+    Direct,
+    None,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Opening {
+    /// Wanted root mean square relative error of the force.
+    ForceError(f64),
+    Angle(f64),
+}
+
+/// Who pulls and is pulled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mass {
+    Gas = 0,
+    Dust = 1,
+    Planetesimals = 2,
+    Planets = 3,
+    Star = 4,
+}
+
+/// Which masses pull which; what the scene does not have pulls nothing and is pulled by nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Pulls(pub [[bool; 5]; 5]);
+
+impl Pulls {
+    /// Whether `source` pulls `target`.
+    pub fn has(&self, source: Mass, target: Mass) -> bool {
+        self.0[source as usize][target as usize]
+    }
+}
+
+/// Which pairs exchange momentum by drag, and whether the gas feels it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coupling {
+    pub gas_dust: bool,
+    pub gas_planetesimals: bool,
+    pub feedback: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    pub preset: Preset,
+    /// dt <= acceleration_step sqrt(length / |a|), the length being smoothing length or softening.
+    pub acceleration_step: f64,
+    /// dt <= orbit_step / Omega at the distance from the star.
+    pub orbit_step: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    Draft,
+    Standard,
+    Precise,
+}

@@ -1,0 +1,312 @@
+//! Rules between keys: what each value allows by itself, but not all of them together.
+//!
+//! A value that has already been refused stands here as not-a-number, which breaks no rule.
+
+use nbody::points::{Boundary, Vec3};
+
+use crate::document::{Entries, Node, Place, Value};
+use crate::reader::Door;
+use crate::scene::{
+    Block, BodyDrag, Collisions, Disk, DiskAmount, Dust, Eos, Gas, Integrator, Orbit,
+    Planetesimals, Scene, Sizes, Viscosity,
+};
+
+/// Says what is wrong with the key at a path, at its line or that of the deepest table above that the file has.
+pub struct Complaints<'a> {
+    entries: &'a Entries,
+    door: &'a Door,
+}
+
+impl<'a> Complaints<'a> {
+    pub fn new(entries: &'a Entries, door: &'a Door) -> Self {
+        Self { entries, door }
+    }
+
+    fn say(&self, path: &str, sentence: &str) {
+        let (place, value) = self.deepest(path);
+        let shown = match value {
+            Some(value) if !matches!(value, Value::Table(_)) => format!("{path} = {value}"),
+            _ => path.to_owned(),
+        };
+        self.door.report(&place, format!("{shown}: {sentence}"));
+    }
+
+    /// The place of the deepest node on the path, and the value if the path goes all the way.
+    fn deepest(&self, path: &str) -> (Place, Option<&'a Value>) {
+        let mut place = Place::Line(1);
+        let mut value: Option<&Value> = None;
+        for (depth, step) in path.split('.').enumerate() {
+            let next: Option<&Node> = match value {
+                None if depth == 0 => named(self.entries, step),
+                Some(Value::Table(entries)) => named(entries, step),
+                Some(Value::List(items)) => step.parse().ok().and_then(|i: usize| items.get(i)),
+                _ => None,
+            };
+            let Some(node) = next else {
+                return (place, None);
+            };
+            place = node.place.clone();
+            value = Some(&node.value);
+        }
+        (place, value)
+    }
+}
+
+fn named<'n>(entries: &'n Entries, key: &str) -> Option<&'n Node> {
+    entries
+        .iter()
+        .find(|(name, _)| name == key)
+        .map(|(_, node)| node)
+}
+
+/// All rules.
+pub fn rules(scene: &Scene, complaints: &Complaints<'_>) {
+    something_to_model(scene, complaints);
+    dimensions(scene, complaints);
+    if let Some(gas) = &scene.gas {
+        gas_rules(scene, gas, complaints);
+    }
+    if let Some(dust) = &scene.dust {
+        dust_rules(scene, dust, complaints);
+    }
+    if let Some(bodies) = &scene.planetesimals {
+        body_rules(scene, bodies, complaints);
+    }
+    planet_rules(scene, complaints);
+}
+
+fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
+    let tables = ["gas", "dust", "planetesimals", "planet"];
+    if tables
+        .iter()
+        .all(|table| named(complaints.entries, table).is_none())
+    {
+        complaints.door.report(
+            &Place::Line(0),
+            "there is nothing to model: give [gas], [dust], [planetesimals] or [[planet]]".into(),
+        );
+    }
+    if scene.star.is_some() && matches!(scene.domain.boundary, Boundary::Periodic { .. }) {
+        complaints.say("star", "cannot stand in a periodic domain");
+    }
+    if let Some(star) = scene.star
+        && let Some(disk) = scene.gas.as_ref().and_then(|gas| gas.disk)
+        && star.accretion_radius > disk.inner_radius
+    {
+        complaints.say(
+            "star.accretion_radius",
+            "reaches beyond gas.disk.inner_radius: the star would swallow the inner disk at once",
+        );
+    }
+}
+
+fn dimensions(scene: &Scene, complaints: &Complaints<'_>) {
+    if scene.domain.dimensions() == 3 {
+        return;
+    }
+    for table in ["planetesimals", "planet"] {
+        if named(complaints.entries, table).is_some() {
+            complaints.say(
+                table,
+                "cannot be modelled in two dimensions, where only gas and dust are",
+            );
+        }
+    }
+    if scene.gas.as_ref().is_some_and(|gas| gas.disk.is_some()) {
+        complaints.say(
+            "gas.disk",
+            "needs three dimensions; in two give [[gas.block]] or an initial.file",
+        );
+    }
+}
+
+fn gas_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
+    if let Some(disk) = &gas.disk {
+        disk_rules(scene, disk, complaints);
+    }
+    for (i, entry) in gas.blocks.iter().enumerate() {
+        block_rules(scene, &entry.block, &format!("gas.block.{i}"), complaints);
+    }
+    let total: f64 = gas
+        .blocks
+        .iter()
+        .map(|entry| block_number(scene, &entry.block))
+        .sum();
+    too_many(total + gas.particles as f64, "gas.block", complaints);
+    if let Viscosity::Constant { alpha, beta } | Viscosity::Balsara { alpha, beta } = gas.viscosity
+        && alpha == 0.0
+        && beta == 0.0
+    {
+        complaints.say(
+            "gas.viscosity.alpha",
+            "and beta are both 0; for gas without viscosity give kind = \"none\"",
+        );
+    }
+}
+
+fn disk_rules(scene: &Scene, disk: &Disk, complaints: &Complaints<'_>) {
+    if disk.inner_radius >= disk.outer_radius {
+        complaints.say(
+            "gas.disk.inner_radius",
+            "must be less than gas.disk.outer_radius",
+        );
+    }
+    if matches!(scene.domain.boundary, Boundary::Periodic { .. }) {
+        complaints.say("gas.disk", "needs an open domain");
+    }
+    if disk.aspect_ratio > 0.5 {
+        let key = match scene.gas.as_ref().map(|gas| gas.eos) {
+            Some(Eos::Ideal { .. }) => "gas.disk.aspect_ratio",
+            Some(Eos::Isothermal { .. }) => "gas.eos.sound_speed",
+            _ => "gas.eos.aspect_ratio",
+        };
+        let sentence = format!(
+            "makes a disk of aspect ratio {:.3}; more than 0.5 is no disk",
+            disk.aspect_ratio
+        );
+        complaints.say(key, &sentence);
+    }
+    if let (DiskAmount::Mass(mass), Some(star)) = (disk.amount, scene.star)
+        && mass > star.mass
+    {
+        complaints.say(
+            "gas.disk.mass",
+            "is more than the star's: such a disk has no orbits",
+        );
+    }
+}
+
+/// The particles that fill a block.
+pub fn block_number(scene: &Scene, block: &Block) -> f64 {
+    (0..3)
+        .filter(|&axis| scene.domain.axes[axis])
+        .map(|axis| (block.hi[axis] - block.lo[axis]) / block.spacing)
+        .product()
+}
+
+fn block_rules(scene: &Scene, block: &Block, path: &str, complaints: &Complaints<'_>) {
+    let axes = |test: &dyn Fn(usize) -> bool| (0..3).filter(|&a| scene.domain.axes[a]).any(test);
+    if axes(&|axis| block.lo[axis] >= block.hi[axis]) {
+        complaints.say(
+            &format!("{path}.hi"),
+            "must be greater than lo along every axis",
+        );
+    } else if axes(&|axis| block.hi[axis] - block.lo[axis] < block.spacing) {
+        complaints.say(
+            &format!("{path}.spacing"),
+            "is wider than the box from lo to hi",
+        );
+    }
+    if let Boundary::Periodic { size } = scene.domain.boundary {
+        let inside = |x: Vec3| axes(&|axis| x[axis] < 0.0 || x[axis] > size[axis]);
+        for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
+            if inside(corner) {
+                complaints.say(
+                    &format!("{path}.{key}"),
+                    "lies outside the periodic box, which reaches from 0 to domain.size",
+                );
+            }
+        }
+    }
+}
+
+fn too_many(number: f64, path: &str, complaints: &Complaints<'_>) {
+    if number > 2f64.powi(31) {
+        let sentence = format!("makes {number:.3e} particles; the most is 2147483648 a population");
+        complaints.say(path, &sentence);
+    }
+}
+
+fn dust_rules(scene: &Scene, dust: &Dust, complaints: &Complaints<'_>) {
+    if dust.particles > 0 && dust.inner_radius >= dust.outer_radius {
+        complaints.say("dust.inner_radius", "must be less than dust.outer_radius");
+    }
+    if let Some(Sizes::Range { min, max, .. }) = dust.sizes
+        && min >= max
+    {
+        complaints.say("dust.size.min", "must be less than dust.size.max");
+    }
+    for (i, block) in dust.blocks.iter().enumerate() {
+        block_rules(scene, block, &format!("dust.block.{i}"), complaints);
+    }
+    let total: f64 = dust
+        .blocks
+        .iter()
+        .map(|block| block_number(scene, block))
+        .sum();
+    too_many(total + dust.particles as f64, "dust.block", complaints);
+}
+
+fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>) {
+    let path = "planetesimals";
+    if bodies.number > 0 && bodies.inner_radius >= bodies.outer_radius {
+        complaints.say(
+            "planetesimals.inner_radius",
+            "must be less than planetesimals.outer_radius",
+        );
+    }
+    if bodies.integrator == Integrator::WisdomHolman {
+        if scene.star.is_none() {
+            complaints.say(
+                "planetesimals.integrator",
+                "needs a [star], about which the orbits are",
+            );
+        }
+        if bodies.collisions == Collisions::Merge {
+            complaints.say(
+                "planetesimals.integrator",
+                "cannot follow close encounters; collisions need \"auto\", \"leapfrog\" or \"gauss-radau\"",
+            );
+        }
+    }
+    if scene.domain.dimensions() == 2 {
+        return;
+    }
+    let sizeless = bodies.number > 0 && bodies.density == 0.0;
+    if sizeless && bodies.drag == BodyDrag::Adachi {
+        complaints.say(
+            "planetesimals.density",
+            "must be greater than 0: the law \"adachi\" needs the bodies' size",
+        );
+    }
+    if sizeless && bodies.collisions == Collisions::Merge {
+        complaints.say(
+            "planetesimals.density",
+            "must be greater than 0: collisions need the bodies' size",
+        );
+    }
+    if bodies.number > 0 && matches!(scene.domain.boundary, Boundary::Periodic { .. }) {
+        complaints.say(
+            path,
+            "cannot orbit in a periodic domain; give them by an initial.file",
+        );
+    }
+}
+
+fn planet_rules(scene: &Scene, complaints: &Complaints<'_>) {
+    for (i, planet) in scene.planets.iter().enumerate() {
+        let path = format!("planet.{i}");
+        match planet.orbit {
+            Orbit::Elements {
+                semi_major_axis,
+                eccentricity,
+                ..
+            } => {
+                let swallowed = scene.star.is_some_and(|star| {
+                    semi_major_axis * (1.0 - eccentricity) < star.accretion_radius
+                });
+                if swallowed {
+                    complaints.say(
+                        &format!("{path}.semi_major_axis"),
+                        "leads through star.accretion_radius: the planet would be swallowed",
+                    );
+                }
+            }
+            Orbit::State { position, .. } => {
+                if scene.star.is_some() && position == Vec3::zeros() {
+                    complaints.say(&format!("{path}.position"), "is that of the star");
+                }
+            }
+        }
+    }
+}
