@@ -33,7 +33,8 @@ pub enum Softening {
 }
 
 impl Softening {
-    fn of(self, h: f64) -> f64 {
+    /// The length for a particle of smoothing length `h`.
+    pub fn of(self, h: f64) -> f64 {
         match self {
             Self::Length(length) => length,
             Self::Adaptive(factor) => factor * h,
@@ -209,12 +210,12 @@ impl Field {
 /// A massive body that pulls pair by pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Heavy {
-    x: Vec3,
-    m: f64,
-    softening: f64,
-    /// Its place among the planets, or among the stars.
-    place: usize,
-    star: bool,
+    pub x: Vec3,
+    pub m: f64,
+    pub softening: f64,
+    /// Its place among the bodies, or among the stars.
+    pub place: usize,
+    pub star: bool,
 }
 
 /// The stars and planets of the system, where they are seen now.
@@ -237,7 +238,7 @@ impl Heavy {
     }
 
     /// Acceleration of a point at `x` with softening length `softening`, and the potential there, for G = 1.
-    fn pull(&self, x: Vec3, softening: f64) -> (Vec3, f64) {
+    pub fn pull(&self, x: Vec3, softening: f64) -> (Vec3, f64) {
         let dx = self.x - x;
         let own = if self.star { 0.0 } else { softening };
         let r2 = dx.norm_squared() + self.softening * self.softening + own * own;

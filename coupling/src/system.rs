@@ -44,6 +44,8 @@ pub struct System {
     pub gas: Gas,
     pub dust: Dust,
     pub ledger: Ledger,
+    /// What an integrator of bodies remembers between steps; empty for those that remember nothing.
+    pub memory: Vec<f64>,
     /// Whether potentials are wanted at this tick.
     pub reporting: bool,
     /// What has happened since the events were last written.
@@ -69,6 +71,7 @@ impl System {
             gas: Gas::default(),
             dust: Dust::default(),
             ledger: Ledger::default(),
+            memory: Vec::new(),
             reporting: false,
             events: Vec::new(),
             potential: 0.0,

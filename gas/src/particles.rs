@@ -125,6 +125,13 @@ impl Gas {
         gas
     }
 
+    /// Gas as it was saved; the next end of a base step sorts it.
+    pub fn restored(particles: Particles, rates: Rates) -> Self {
+        let mut gas = Self { particles, rates, ..Self::default() };
+        gas.derived.resize(gas.particles.len());
+        gas
+    }
+
     pub fn len(&self) -> usize {
         self.particles.len()
     }

@@ -28,6 +28,12 @@ impl Schedule {
         if now < self.end && next > self.end * (1.0 - SLACK) { self.end } else { next }
     }
 
+    /// Whether a report is due at `now`.
+    pub fn reports(&self, now: f64) -> bool {
+        let count = (now - self.start) / self.report;
+        now >= self.end || (count - count.round()).abs() < SLACK * count.abs().max(1.0)
+    }
+
     /// The number of the snapshot that is due at `now`, counting the start as 0.
     pub fn snapshot(&self, now: f64) -> Option<usize> {
         let last = now >= self.end;

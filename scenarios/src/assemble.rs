@@ -1,0 +1,191 @@
+//! Assembly: from a resolved scene to a system of populations and the list of operators that advances it.
+//!
+//! Ids are consecutive over all populations: the star has 0, then come planets, planetesimals, gas and dust.
+
+use coupling::accretion::{Accretion, Mergers};
+use coupling::drag::{BodyDrag, DustDrag};
+use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftRadau, DriftStraight};
+use coupling::gravity::{Gravity, Plan, Softening};
+use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction};
+use coupling::{Operator, Splitting, System};
+use dust::motion::Pacing;
+use nbody::gravity as solver;
+use nbody::points::Columns;
+use nbody::{Bodies, Kind};
+
+use crate::populate;
+use crate::scene::{self, Collisions, Integrator, Mass, Scene, TimeStep};
+
+/// A system, its operators, and the longest base step.
+pub struct Assembly {
+    pub system: System,
+    pub splitting: Splitting,
+    pub longest: f64,
+    /// Sentences for the log: choices that were made for the user.
+    pub remarks: Vec<String>,
+}
+
+/// Places all particles and bodies of a scene at its start.
+pub fn start(scene: &Scene) -> Result<System, populate::Refusal> {
+    let mut system = System::new(scene.domain, scene.gravity.constant, 0.0);
+    populate::fill(scene, &mut system)?;
+    system.look();
+    Ok(system)
+}
+
+/// Chooses the operators for a system that is in place.
+pub fn assembly(scene: &Scene, system: System) -> Assembly {
+    let mut remarks = Vec::new();
+    let integrator = integrator(scene, &system, &mut remarks);
+    let step = bodies_step(scene, &system, integrator);
+    let longest = match scene.run.time_step {
+        TimeStep::Fixed(dt) => dt,
+        TimeStep::Auto if system.gas.is_empty() && system.dust.is_empty() => step,
+        TimeStep::Auto => f64::INFINITY,
+    };
+    let splitting = Splitting::new(operators(scene, &system, integrator, step, longest));
+    Assembly { system, splitting, longest, remarks }
+}
+
+/// The integrator that the scene names, or the one that suits it.
+fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Integrator {
+    let wanted = scene.planetesimals.as_ref().map_or(Integrator::Auto, |p| p.integrator);
+    if wanted != Integrator::Auto {
+        return wanted;
+    }
+    let few = system.bodies.len() <= 16 && system.gas.is_empty() && system.dust.is_empty();
+    let (choice, reason) = if !system.star.is_empty() {
+        (Integrator::WisdomHolman, "a star dominates")
+    } else if few {
+        (Integrator::GaussRadau, "there is no star and there are few bodies")
+    } else {
+        (Integrator::Leapfrog, "there is no star")
+    };
+    if !system.bodies.is_empty() {
+        let name = match choice {
+            Integrator::WisdomHolman => "wisdom-holman",
+            Integrator::GaussRadau => "gauss-radau",
+            _ => "leapfrog",
+        };
+        remarks.push(format!("integrator of bodies: {name}, since {reason}"));
+    }
+    choice
+}
+
+/// The step of star and bodies: a part of 1/Omega at the closest pericentre, or what the scene says.
+fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
+    if let Some(TimeStep::Fixed(dt)) = scene.planetesimals.as_ref().map(|p| p.time_step) {
+        return dt;
+    }
+    if let TimeStep::Fixed(dt) = scene.run.time_step {
+        return dt;
+    }
+    if integrator == Integrator::GaussRadau || system.bodies.is_empty() || system.star.is_empty() {
+        return f64::INFINITY;
+    }
+    let (star_x, star_v) = (system.star.x[0], system.star.v[0]);
+    let bodies = &system.bodies;
+    let shortest = (0..bodies.len())
+        .map(|i| {
+            let mu = system.g * (system.star.m[0] + bodies.m[i]);
+            let (x, v) = (bodies.x[i] - star_x, bodies.v[i] - star_v);
+            let h2 = x.cross(&v).norm_squared();
+            let e = (v.cross(&x.cross(&v)) / mu - x / x.norm()).norm();
+            let pericentre = h2 / mu / (1.0 + e);
+            (pericentre.powi(3) / mu).sqrt()
+        })
+        .fold(f64::INFINITY, f64::min);
+    scene.accuracy.orbit_step * shortest.max(1e-6 * scene.run.end_time / f64::from(nbody::points::clock::TICKS))
+}
+
+fn softening(of: scene::Softening) -> Softening {
+    match of {
+        scene::Softening::SmoothingLength => Softening::Adaptive(1.0),
+        scene::Softening::Fixed(length) => Softening::Length(length),
+    }
+}
+
+/// The operators that the scene requires, in the order of the first half of a step.
+fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, longest: f64) -> Vec<Box<dyn Operator>> {
+    let (gas, dust) = (!system.gas.is_empty(), !system.dust.is_empty());
+    let bodies = !system.bodies.is_empty() || !system.star.is_empty();
+    let moving = bodies && (gas || dust || !system.bodies.is_empty());
+    let hydro = scene.gas.as_ref().map(|g| populate::hydro(scene, g));
+    let mut list: Vec<Box<dyn Operator>> = Vec::new();
+    if let Some(hydro) = hydro.filter(|_| gas) {
+        list.push(Box::new(Density { hydro }));
+    }
+    let plan = plan(scene, integrator);
+    if (plan.tree.is_some() || bodies) && !(integrator == Integrator::GaussRadau && !gas && !dust) {
+        list.push(Box::new(Gravity::new(plan.clone())));
+    }
+    if let (true, true, Some(d), Some(hydro)) = (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro) {
+        list.push(Box::new(DustDrag::new(populate::dust_law(scene, d), &hydro, scene.coupling.feedback)));
+    }
+    if let (true, true, Some(p), Some(hydro)) = (gas, scene.coupling.gas_planetesimals, &scene.planetesimals, hydro) {
+        list.push(Box::new(BodyDrag::new(populate::body_law(scene, p), &hydro, scene.coupling.feedback)));
+    }
+    if moving && integrator != Integrator::GaussRadau || moving && (gas || dust) {
+        list.push(Box::new(KickBodies { step }));
+    }
+    let reaction = |fluid: Mass, softening: Softening| Reaction {
+        on: [scene.gravity.pulls.has(fluid, Mass::Star), scene.gravity.pulls.has(fluid, Mass::Planets)],
+        softening,
+    };
+    if dust {
+        let pacing = Pacing { force: scene.accuracy.acceleration_step, orbit: 0.5 * scene.accuracy.orbit_step, longest };
+        list.push(Box::new(KickDust { pacing, reaction: reaction(Mass::Dust, plan.dust) }));
+    }
+    if let Some(hydro) = hydro.filter(|_| gas) {
+        list.push(Box::new(KickGas { hydro, reaction: reaction(Mass::Gas, plan.gas), longest }));
+        list.push(Box::new(DriftGas));
+    }
+    if dust {
+        list.push(Box::new(DriftDust));
+    }
+    if moving {
+        list.push(match integrator {
+            Integrator::WisdomHolman | Integrator::Auto => Box::new(DriftKepler),
+            Integrator::Leapfrog => Box::new(DriftStraight),
+            Integrator::GaussRadau => Box::new(DriftRadau::default()),
+        });
+    }
+    if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
+        list.push(Box::new(Accretion));
+    }
+    if scene.planetesimals.as_ref().is_some_and(|p| p.collisions == Collisions::Merge) && system.bodies.len() > 1 {
+        list.push(Box::new(Mergers::default()));
+    }
+    list
+}
+
+/// Who pulls whom, how softly and how exactly.
+fn plan(scene: &Scene, integrator: Integrator) -> Plan {
+    let accuracy = match scene.gravity.opening {
+        scene::Opening::ForceError(error) => solver::Accuracy::ForceError(error),
+        scene::Opening::Angle(angle) => solver::Accuracy::OpeningAngle(angle),
+    };
+    let method = match scene.gravity.method {
+        scene::GravityMethod::Direct => Some(solver::Method::Direct),
+        scene::GravityMethod::Tree => Some(solver::Method::Automatic),
+        scene::GravityMethod::None => None,
+    };
+    let length = |softening: Option<scene::Softening>| softening.map_or(Softening::Length(0.0), self::softening);
+    Plan {
+        tree: method.map(|method| solver::Settings { accuracy, method, constant: scene.gravity.constant }),
+        pulls: scene.gravity.pulls.0,
+        gas: length(scene.gas.as_ref().map(|g| g.softening)),
+        dust: length(scene.dust.as_ref().map(|d| d.softening)),
+        star_in_kick: integrator == Integrator::Leapfrog,
+        bodies_in_kick: integrator != Integrator::GaussRadau,
+    }
+}
+
+/// Star or planet or planetesimal: a row of a body set.
+pub fn push(bodies: &mut Bodies, kind: Kind, id: u64) -> usize {
+    let i = bodies.len();
+    bodies.resize(i + 1);
+    bodies.id[i] = id;
+    bodies.kind[i] = kind as u32;
+    i
+}

@@ -1,0 +1,376 @@
+//! Population of a scene: particles and bodies from generators and from a file, with the material laws that the scene gives them.
+
+use std::fmt;
+
+use coupling::System;
+use dust::{Dust, Molecules, StoppingLaw, Superparticles};
+use gas::{Eos, Gas, Hydro, KernelKind, Particles, Viscosity};
+use nbody::gravity::{Accuracy, Gravity, Method, Settings};
+use nbody::points::columns::append;
+use nbody::points::random::Purpose;
+use nbody::points::{Columns, Vec3};
+use nbody::{Bodies, Kind};
+
+use crate::assemble::push;
+use crate::initial::belt::{self, Belt, Elements};
+use crate::initial::disk::Disk;
+use crate::initial::grains::{self, Grains};
+use crate::initial::lattice::{self, Arrangement};
+use crate::initial::{self, Resolution};
+use crate::scene::{self, Scene};
+
+/// Why a start cannot be made: a sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refusal(pub String);
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// The adiabatic index that gas of a prescribed temperature counts its internal energy with.
+const GAMMA_BOUND: f64 = 5.0 / 3.0;
+
+/// The settings of the hydrodynamics of a scene's gas.
+pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
+    let eos = match gas.eos {
+        scene::Eos::Ideal { gamma, .. } => Eos::Ideal { gamma },
+        scene::Eos::Isothermal { sound_speed, .. } => Eos::Isothermal { sound_speed, gamma: GAMMA_BOUND },
+        scene::Eos::LocallyIsothermal { sound_speed, exponent, reference_radius, .. } => {
+            Eos::LocallyIsothermal { sound_speed, radius: reference_radius, exponent, gamma: GAMMA_BOUND }
+        }
+    };
+    let viscosity = match gas.viscosity {
+        scene::Viscosity::None => Viscosity::None,
+        scene::Viscosity::Constant { alpha, beta } => Viscosity::Constant { alpha, beta },
+        scene::Viscosity::Balsara { alpha, beta } => Viscosity::Balsara { alpha, beta },
+    };
+    let kernel = match gas.hydro.kernel {
+        scene::Kernel::WendlandC2 => KernelKind::WendlandC2,
+        scene::Kernel::CubicSpline => KernelKind::CubicSpline,
+    };
+    Hydro {
+        kernel,
+        neighbours: gas.hydro.neighbours,
+        tolerance: gas.hydro.tolerance,
+        viscosity,
+        courant: gas.hydro.courant,
+        force_factor: scene.accuracy.acceleration_step,
+        ..Hydro::new(scene.domain, eos)
+    }
+}
+
+fn molecular_weight(gas: &scene::Gas) -> f64 {
+    match gas.eos {
+        scene::Eos::Ideal { mean_molecular_weight, .. }
+        | scene::Eos::Isothermal { mean_molecular_weight, .. }
+        | scene::Eos::LocallyIsothermal { mean_molecular_weight, .. } => mean_molecular_weight,
+    }
+}
+
+/// Molecules of the scene's gas in its units: mass from the mean molecular weight, cross section of H2.
+pub fn molecules(scene: &Scene) -> Molecules {
+    /// Mass of a hydrogen atom, g (CODATA 2018).
+    const HYDROGEN: f64 = 1.673_532_84e-24;
+    /// Collision cross section of H2, cm^2 (Chapman & Cowling 1970, as used since Nakagawa et al. 1986).
+    const CROSS_SECTION: f64 = 2.0e-15;
+    let mu = scene.gas.as_ref().map_or(2.34, molecular_weight);
+    let length = scene.units.length;
+    Molecules { mass: mu * HYDROGEN / scene.units.mass, cross_section: CROSS_SECTION / (length * length) }
+}
+
+/// The law that grains are stopped by.
+pub fn dust_law(scene: &Scene, dust: &scene::Dust) -> StoppingLaw {
+    let _ = scene;
+    match dust.drag {
+        scene::DustDrag::None => StoppingLaw::None,
+        scene::DustDrag::Epstein => StoppingLaw::Epstein,
+        scene::DustDrag::ConstantStoppingTime(t) => StoppingLaw::ConstantStoppingTime(t),
+        scene::DustDrag::ConstantStokesNumber(st) => StoppingLaw::ConstantStokes(st),
+    }
+}
+
+/// The law that bodies are stopped by.
+pub fn body_law(scene: &Scene, bodies: &scene::Planetesimals) -> StoppingLaw {
+    match bodies.drag {
+        scene::BodyDrag::None => StoppingLaw::None,
+        scene::BodyDrag::Adachi => StoppingLaw::Adachi(molecules(scene)),
+        scene::BodyDrag::ConstantStoppingTime(t) => StoppingLaw::ConstantStoppingTime(t),
+        scene::BodyDrag::Quadratic(coefficient) => StoppingLaw::Quadratic(coefficient),
+    }
+}
+
+/// Counts out ids.
+struct Ids(u64);
+
+impl Ids {
+    fn take(&mut self, n: usize) -> u64 {
+        let first = self.0;
+        self.0 += n as u64;
+        first
+    }
+}
+
+/// Fills an empty system with what the scene has at its start.
+pub fn fill(scene: &Scene, system: &mut System) -> Result<(), Refusal> {
+    let mut ids = Ids(1);
+    let mut file = match &scene.initial_file {
+        Some(path) => crate::initial::from_file::read(path, scene)?,
+        None => crate::initial::from_file::Start::default(),
+    };
+    stars(scene, system, &mut file.star);
+    bodies(scene, system, &mut ids, file.bodies);
+    let gas = gas(scene, &mut ids, file.gas);
+    let dust = dust(scene, &mut ids, file.dust, &gas);
+    if let Some(scene_gas) = &scene.gas {
+        system.gas = Gas::new(gas);
+        if let Some(disk) = &scene_gas.disk {
+            system.dust = Dust::new(dust);
+            balance(scene, disk, system);
+            return Ok(());
+        }
+    }
+    system.dust = Dust::new(dust);
+    Ok(())
+}
+
+fn stars(scene: &Scene, system: &mut System, file: &mut Bodies) {
+    if let Some(star) = &scene.star {
+        if file.is_empty() {
+            push(file, Kind::Star, 0);
+        }
+        file.kind[0] = Kind::Star as u32;
+        file.radius[0] = star.accretion_radius;
+        // The scene's mass is what the star weighs wherever it is.
+        file.m[0] = star.mass;
+    }
+    system.star = std::mem::take(file);
+}
+
+fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
+    let mut bodies = Bodies::default();
+    let centre = system.star.x.first().map(|&x| (x, system.star.v[0], system.star.m[0]));
+    for planet in &scene.planets {
+        let i = push(&mut bodies, Kind::Planet, ids.take(1));
+        (bodies.m[i], bodies.radius[i]) = (planet.mass, planet.radius);
+        (bodies.x[i], bodies.v[i]) = match planet.orbit {
+            scene::Orbit::State { position, velocity } => (position, velocity),
+            scene::Orbit::Elements {
+                semi_major_axis,
+                eccentricity,
+                inclination,
+                longitude_of_node,
+                argument_of_pericentre,
+                mean_anomaly,
+            } => {
+                let (x0, v0, m0) = centre.unwrap_or((Vec3::zeros(), Vec3::zeros(), 0.0));
+                let elements = Elements {
+                    semi_major_axis,
+                    eccentricity,
+                    inclination,
+                    node: longitude_of_node,
+                    pericentre: argument_of_pericentre,
+                    mean_anomaly,
+                };
+                let (x, v) = belt::state(&elements, scene.gravity.constant * (m0 + planet.mass));
+                (x0 + x, v0 + v)
+            }
+        };
+    }
+    if let Some(p) = &scene.planetesimals {
+        if let (Some((x, v, m)), true) = (centre, p.number > 0) {
+            let belt = Belt {
+                number: p.number,
+                mass: p.mass,
+                inner_radius: p.inner_radius,
+                outer_radius: p.outer_radius,
+                slope: p.slope,
+                eccentricity: p.eccentricity,
+                inclination: p.inclination,
+                density: p.density,
+            };
+            let first = ids.take(p.number);
+            append(&mut bodies, &belt.bodies(scene.gravity.constant, (m, x, v), scene.run.seed, first));
+        }
+        file.softening.fill(p.softening);
+        bodies.softening.fill(p.softening);
+    }
+    let first = ids.take(file.len());
+    number(&mut file.id, first);
+    append(&mut bodies, &file);
+    system.bodies = bodies;
+}
+
+/// Gives ids to what has none (all zero).
+fn number(id: &mut [u64], first: u64) {
+    if id.iter().all(|&id| id == 0) {
+        for (k, id) in id.iter_mut().enumerate() {
+            *id = first + k as u64;
+        }
+    }
+}
+
+/// The generator's disk of a scene's disk.
+fn disk_of(scene: &Scene, gas: &scene::Gas, disk: &scene::Disk) -> Disk {
+    let mut made = Disk {
+        particles: gas.particles,
+        surface_density: 1.0,
+        slope: disk.slope,
+        reference_radius: disk.reference_radius,
+        inner_radius: disk.inner_radius,
+        outer_radius: disk.outer_radius,
+        taper: disk.taper,
+        aspect_ratio: disk.aspect_ratio,
+        exponent: disk.exponent,
+        star_mass: scene.star.map_or(0.0, |star| star.mass),
+        g: scene.gravity.constant,
+    };
+    made.surface_density = match disk.amount {
+        scene::DiskAmount::SurfaceDensity(sigma) => sigma,
+        scene::DiskAmount::Mass(mass) => mass / made.mass(),
+    };
+    made
+}
+
+fn resolution(scene: &Scene, gas: &scene::Gas) -> Resolution {
+    let hydro = hydro(scene, gas);
+    Resolution { neighbours: hydro.neighbours, support: hydro.support() }
+}
+
+/// Points of a block and the mass of each.
+fn block(scene: &Scene, block: &scene::Block, ids: &mut Ids, purpose: Purpose) -> (Vec<Vec3>, f64, u64) {
+    let space = lattice::Block { lo: block.lo, hi: block.hi, axes: scene.domain.axes };
+    let dimensions = scene.domain.dimensions() as f64;
+    let x = match block.lattice {
+        scene::Lattice::Cubic => space.lattice(Arrangement::Cubic, block.spacing),
+        scene::Lattice::Bcc => space.lattice(Arrangement::BodyCentred, block.spacing * 2f64.powf(1.0 / dimensions)),
+        scene::Lattice::Random => {
+            let n = (space.volume() / block.spacing.powf(dimensions)).round() as usize;
+            space.random(n, scene.run.seed, purpose, ids.0)
+        }
+    };
+    let mass = block.density * space.volume() / x.len().max(1) as f64;
+    let first = ids.take(x.len());
+    (x, mass, first)
+}
+
+fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
+    let mut all = Particles::default();
+    let Some(gas) = &scene.gas else { return all };
+    let hydro = hydro(scene, gas);
+    if let Some(disk) = &gas.disk {
+        let first = ids.take(gas.particles);
+        append(&mut all, &disk_of(scene, gas, disk).gas(resolution(scene, gas), scene.run.seed, first));
+    }
+    for b in &gas.blocks {
+        let (x, mass, first) = block(scene, &b.block, ids, Purpose::GasPositions);
+        let n = x.len();
+        let h = resolution(scene, gas).smoothing_length(mass / b.block.density, scene.domain.dimensions());
+        let mut made = initial::gas(x, vec![h; n], mass, first);
+        made.v.fill(b.block.velocity);
+        made.u.fill(match b.thermal {
+            scene::Thermal::Pressure(p) => p / ((hydro.eos.gamma() - 1.0) * b.block.density),
+            scene::Thermal::InternalEnergy(u) => u,
+            scene::Thermal::Eos => 0.0,
+        });
+        append(&mut all, &made);
+    }
+    let first = ids.take(file.len());
+    number(&mut file.id, first);
+    append(&mut all, &file);
+    all
+}
+
+fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles) -> Superparticles {
+    let mut all = Superparticles::default();
+    let Some(dust) = &scene.dust else { return all };
+    let sizes = match dust.sizes {
+        Some(scene::Sizes::One(radius)) => grains::Sizes::One(radius),
+        Some(scene::Sizes::Range { min, max, slope }) => grains::Sizes::PowerLaw { min, max, slope },
+        None => grains::Sizes::One(0.0),
+    };
+    let grains = |particles: usize, mass: f64| Grains {
+        particles,
+        mass,
+        sizes,
+        material_density: dust.material_density,
+        scale_height: dust.scale_height,
+    };
+    if let (Some(amount), Some(scene_gas)) = (dust.amount, &scene.gas) {
+        if let Some(disk) = &scene_gas.disk {
+            let disk = disk_of(scene, scene_gas, disk);
+            let mass = match amount {
+                scene::DustAmount::DustToGas(ratio) => ratio * gas.m.iter().sum::<f64>(),
+                scene::DustAmount::Mass(mass) => mass,
+            };
+            let dust_disk = Disk { inner_radius: dust.inner_radius, outer_radius: dust.outer_radius, ..disk };
+            let first = ids.take(dust.particles);
+            let velocity = |x: Vec3, _| disk.rotation(x, 0.0);
+            let made = grains(dust.particles, mass).disk(&dust_disk, resolution(scene, scene_gas), scene.run.seed, first, velocity);
+            append(&mut all, &made);
+        }
+    }
+    for b in &dust.blocks {
+        let (x, mass, first) = block(scene, b, ids, Purpose::DustPositions);
+        let n = x.len();
+        let mut made = grains(n, mass * n as f64).block(x, first);
+        made.v.fill(b.velocity);
+        append(&mut all, &made);
+    }
+    let first = ids.take(file.len());
+    number(&mut file.id, first);
+    append(&mut all, &file);
+    all
+}
+
+/// Adds what the disk's own gravity asks of its rotation: gas and dust of a generated disk turn in balance with all masses.
+fn balance(scene: &Scene, disk: &scene::Disk, system: &mut System) {
+    let Some(gas) = &scene.gas else { return };
+    let made = disk_of(scene, gas, disk);
+    let pulls = |source: scene::Mass| scene.gravity.pulls.has(source, scene::Mass::Gas);
+    if scene.gravity.method == scene::GravityMethod::None || !(pulls(scene::Mass::Gas) || pulls(scene::Mass::Dust)) {
+        return;
+    }
+    let soft = |softening: scene::Softening, h: f64| match softening {
+        scene::Softening::SmoothingLength => h,
+        scene::Softening::Fixed(length) => length,
+    };
+    let (g, d) = (&system.gas.particles, &system.dust.particles);
+    let x: Vec<Vec3> = g.x.iter().chain(&d.x).copied().collect();
+    let weight = |source: scene::Mass, m: f64| if pulls(source) { m } else { 0.0 };
+    let m: Vec<f64> = g
+        .m
+        .iter()
+        .map(|&m| weight(scene::Mass::Gas, m))
+        .chain(d.m.iter().map(|&m| weight(scene::Mass::Dust, m)))
+        .collect();
+    let dust_softening = scene.dust.as_ref().map_or(scene::Softening::Fixed(0.0), |d| d.softening);
+    let softening: Vec<f64> =
+        g.h.iter().map(|&h| soft(gas.softening, h)).chain(d.h.iter().map(|&h| soft(dust_softening, h))).collect();
+    let mut solver = Gravity::new(Settings {
+        accuracy: Accuracy::ForceError(1e-3),
+        method: Method::Automatic,
+        constant: scene.gravity.constant,
+    });
+    solver.build(&x, &m, &softening);
+    let mut a = vec![Vec3::zeros(); x.len()];
+    let all: Vec<u32> = (0..x.len() as u32).collect();
+    solver.field(&all, &mut a, &mut []);
+    let centre = system.star.x.first().copied().unwrap_or_else(Vec3::zeros);
+    let drift = system.star.v.first().copied().unwrap_or_else(Vec3::zeros);
+    let turn = |x: Vec3, a: Vec3| {
+        let r = x - centre;
+        let radius = r.x.hypot(r.y).max(f64::MIN_POSITIVE);
+        drift + made.rotation(r, (a.x * r.x + a.y * r.y) / radius)
+    };
+    let n = system.gas.len();
+    for i in 0..n {
+        system.gas.particles.v[i] = turn(x[i], a[i]);
+    }
+    for i in 0..system.dust.len() {
+        system.dust.particles.v[i] = turn(x[n + i], a[n + i]);
+    }
+    system.gas.rates.v_pred.clone_from(&system.gas.particles.v);
+    system.dust.rates.v_pred.clone_from(&system.dust.particles.v);
+}
