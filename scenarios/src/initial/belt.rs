@@ -1,0 +1,202 @@
+//! Bodies on Kepler orbits: a belt of planetesimals, and planets given by elements.
+//!
+//! Semi-major axes follow a surface density ~ a^slope; eccentricities and inclinations are Rayleigh distributed with the given rms
+//! (x = rms sqrt(-ln u)); angles are uniform. Elements are heliocentric: the orbit of mu = G (M + m) about the star.
+
+use std::f64::consts::PI;
+
+use nbody::points::random::{Purpose, stream};
+use nbody::points::{Columns, Vec3};
+use nbody::{Bodies, Kind};
+use rand::{Rng, RngExt};
+
+/// Elements of an ellipse; angles in radians.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Elements {
+    pub semi_major_axis: f64,
+    pub eccentricity: f64,
+    pub inclination: f64,
+    /// Longitude of the ascending node.
+    pub node: f64,
+    /// Argument of the pericentre.
+    pub pericentre: f64,
+    pub mean_anomaly: f64,
+}
+
+/// Position and velocity relative to the body in the focus, mu = G (M + m).
+pub fn state(elements: &Elements, mu: f64) -> (Vec3, Vec3) {
+    let (a, e) = (elements.semi_major_axis, elements.eccentricity);
+    assert!(
+        a > 0.0 && (0.0..1.0).contains(&e),
+        "an ellipse: a = {a}, e = {e}"
+    );
+    let (sin, cos) = eccentric_anomaly(elements.mean_anomaly, e).sin_cos();
+    let minor = (1.0 - e * e).sqrt();
+    let speed = (mu / a).sqrt() / (1.0 - e * cos);
+    let (n, w, i) = (
+        elements.node.sin_cos(),
+        elements.pericentre.sin_cos(),
+        elements.inclination.sin_cos(),
+    );
+    // Unit vectors to the pericentre and a quarter turn ahead of it.
+    let p = Vec3::new(
+        n.1 * w.1 - n.0 * w.0 * i.1,
+        n.0 * w.1 + n.1 * w.0 * i.1,
+        w.0 * i.0,
+    );
+    let q = Vec3::new(
+        -n.1 * w.0 - n.0 * w.1 * i.1,
+        -n.0 * w.0 + n.1 * w.1 * i.1,
+        w.1 * i.0,
+    );
+    let x = a * ((cos - e) * p + minor * sin * q);
+    let v = speed * (minor * cos * q - sin * p);
+    (x, v)
+}
+
+/// E of Kepler's equation E - e sin E = M, by Newton's method from the far side, which never overshoots.
+fn eccentric_anomaly(mean_anomaly: f64, e: f64) -> f64 {
+    let m = mean_anomaly - 2.0 * PI * (mean_anomaly / (2.0 * PI)).round();
+    // On [0, pi] E - e sin E is convex: from E = min(M + e, pi) on, each step stays above the root.
+    let far = m.abs();
+    let mut anomaly = (far + e).min(PI);
+    for _ in 0..60 {
+        let step = (anomaly - e * anomaly.sin() - far) / (1.0 - e * anomaly.cos());
+        anomaly -= step;
+        if step.abs() < 1e-15 {
+            break;
+        }
+    }
+    anomaly.copysign(m)
+}
+
+/// What bodies go around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Centre {
+    pub x: Vec3,
+    pub v: Vec3,
+    pub mass: f64,
+    pub g: f64,
+}
+
+/// What a body is but for its orbit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    pub kind: Kind,
+    pub mass: f64,
+    pub radius: f64,
+    pub softening: f64,
+}
+
+/// Radius of a sphere.
+pub fn radius(mass: f64, density: f64) -> f64 {
+    (3.0 * mass / (4.0 * PI * density)).cbrt()
+}
+
+/// Adds a body with position and velocity given.
+pub fn place(bodies: &mut Bodies, id: u64, body: Body, (x, v): (Vec3, Vec3)) {
+    let n = bodies.len();
+    bodies.resize(n + 1);
+    bodies.id[n] = id;
+    bodies.x[n] = x;
+    bodies.v[n] = v;
+    bodies.m[n] = body.mass;
+    bodies.radius[n] = body.radius;
+    bodies.softening[n] = body.softening;
+    bodies.kind[n] = body.kind as u32;
+}
+
+/// Adds a body on an orbit about `centre`.
+pub fn orbit(bodies: &mut Bodies, id: u64, body: Body, elements: &Elements, centre: &Centre) {
+    let (x, v) = state(elements, centre.g * (centre.mass + body.mass));
+    place(bodies, id, body, (centre.x + x, centre.v + v));
+}
+
+/// Parameters of a belt of equal planetesimals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belt {
+    pub number: usize,
+    /// Mass of one.
+    pub mass: f64,
+    pub density: f64,
+    pub softening: f64,
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+    /// Exponent of the surface density, e.g. -1.5.
+    pub slope: f64,
+    /// Root of the mean squared eccentricity.
+    pub eccentricity: f64,
+    /// Root of the mean squared inclination, radians.
+    pub inclination: f64,
+}
+
+impl Belt {
+    /// Planetesimals with ids from `first_id` on; each draws its orbit from the stream of its id.
+    pub fn bodies(&self, centre: &Centre, seed: u64, first_id: u64) -> Bodies {
+        self.check();
+        let body = Body {
+            kind: Kind::Planetesimal,
+            mass: self.mass,
+            radius: radius(self.mass, self.density),
+            softening: self.softening,
+        };
+        let mut bodies = Bodies::default();
+        for id in (first_id..).take(self.number) {
+            orbit(&mut bodies, id, body, &self.elements(seed, id), centre);
+        }
+        bodies
+    }
+
+    /// The orbit of planetesimal `id`.
+    pub fn elements(&self, seed: u64, id: u64) -> Elements {
+        let mut random = stream(seed, Purpose::Orbits, id, 0);
+        let mut angle = || 2.0 * PI * random.random::<f64>();
+        let (node, pericentre, mean_anomaly) = (angle(), angle(), angle());
+        Elements {
+            semi_major_axis: self.axis(random.random()),
+            eccentricity: rayleigh(self.eccentricity, 1.0, &mut random),
+            inclination: rayleigh(self.inclination, PI, &mut random),
+            node,
+            pericentre,
+            mean_anomaly,
+        }
+    }
+
+    /// The semi-major axis inside of which the part `u` of the belt lies.
+    fn axis(&self, u: f64) -> f64 {
+        let power = self.slope + 2.0;
+        let ratio = (self.outer_radius / self.inner_radius).ln();
+        let grown = if power.abs() < 1e-8 {
+            u * ratio
+        } else {
+            (u * (power * ratio).exp_m1()).ln_1p() / power
+        };
+        self.inner_radius * grown.exp()
+    }
+
+    fn check(&self) {
+        assert!(
+            0.0 < self.inner_radius && self.inner_radius <= self.outer_radius,
+            "a belt ends outside of where it begins"
+        );
+        assert!(
+            self.mass >= 0.0 && self.density > 0.0,
+            "masses and densities are positive"
+        );
+        assert!(
+            (0.0..1.0).contains(&self.eccentricity) && self.inclination >= 0.0,
+            "orbits are ellipses"
+        );
+    }
+}
+
+/// A Rayleigh distributed number below `end`.
+fn rayleigh(rms: f64, end: f64, random: &mut impl Rng) -> f64 {
+    loop {
+        // 1 - u lies in (0, 1], so that its logarithm is finite.
+        let value = rms * (-(1.0 - random.random::<f64>()).ln()).sqrt();
+        if value < end {
+            return value;
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! A layer about the midplane of a disk: places points in it with the wanted density, evenly and without a pattern.
+//!
+//! Bricks of equal mass, halved across their longest sides until each holds one point, which lies anywhere in it. So every region holds
+//! nearly its share of points, and the noise that is left is between neighbours; there the glass cures it.
+
+use std::f64::consts::PI;
+
+use nbody::points::{Domain, Vec3};
+use rand::{Rng, RngExt};
+
+use super::Resolution;
+use super::disk::Disk;
+use super::glass::{Density, Glass};
+
+/// Where the vertical profile ends, in scale heights.
+const TOP: f64 = 5.0;
+/// Sweeps that a layer is settled for.
+const SWEEPS: usize = 20;
+/// Layers with h above this part of their scale height are settled thicker than they are.
+const RESOLVED: f64 = 0.5;
+/// H/R that no layer is thickened beyond.
+const THICK: f64 = 0.3;
+
+/// A layer with the disk's surface density and `thickness` times its scale height.
+#[derive(Clone, Debug)]
+pub struct Layer<'a> {
+    disk: &'a Disk,
+    thickness: f64,
+    pub mass: f64,
+    /// ln R, and the mass inside by the whole.
+    radii: Vec<(f64, f64)>,
+}
+
+const ROWS: usize = 8192;
+
+impl<'a> Layer<'a> {
+    /// A layer that knows its density, but cannot place points.
+    pub fn bare(disk: &'a Disk, thickness: f64) -> Self {
+        Self {
+            disk,
+            thickness,
+            mass: 0.0,
+            radii: Vec::new(),
+        }
+    }
+
+    pub fn new(disk: &'a Disk, thickness: f64) -> Self {
+        let (inner, outer) = disk.extent();
+        let step = (outer / inner).ln() / ROWS as f64;
+        let at = |k: usize| inner.ln() + k as f64 * step;
+        let ring = |ln: f64| 2.0 * PI * (2.0 * ln).exp() * disk.sigma(ln.exp()) * step;
+        let mut sum = 0.0;
+        let mut radii = vec![(at(0), 0.0)];
+        for k in 1..=ROWS {
+            sum += 0.5 * (ring(at(k - 1)) + ring(at(k)));
+            radii.push((at(k), sum));
+        }
+        radii.iter_mut().for_each(|row| row.1 /= sum);
+        Self {
+            radii,
+            mass: sum,
+            ..Self::bare(disk, thickness)
+        }
+    }
+
+    fn aspect(&self, radius: f64) -> f64 {
+        self.thickness * self.disk.aspect(radius)
+    }
+
+    /// dln(rho)/dlnR in the midplane.
+    pub fn midplane_slope(&self, radius: f64) -> f64 {
+        let flare = 0.5 - self.disk.exponent;
+        let (_, f_slope) = column(self.aspect(radius));
+        self.disk.sigma_slope(radius) - 1.0 - flare - f_slope * flare
+    }
+
+    /// The point at the quantiles of R, z at that R, and azimuth.
+    pub fn place(&self, [u, w, azimuth]: [f64; 3]) -> Vec3 {
+        let radius = self.radius(u);
+        let z = radius * self.aspect(radius) * quantile(self.aspect(radius), w);
+        let (sin, cos) = (2.0 * PI * azimuth).sin_cos();
+        Vec3::new(radius * cos, radius * sin, z)
+    }
+
+    /// `n` points, one in each brick that holds 1/n of the mass.
+    pub fn bricks(&self, n: usize, random: &mut impl Rng) -> Vec<Vec3> {
+        let mut x = Vec::with_capacity(n);
+        self.halve(n, [[0.0, 1.0]; 3], random, &mut x);
+        x
+    }
+
+    /// Fills a brick of quantiles of R, z and azimuth with n points.
+    fn halve(&self, n: usize, mut brick: [[f64; 2]; 3], random: &mut impl Rng, x: &mut Vec<Vec3>) {
+        if n < 2 {
+            let at = brick.map(|[a, b]| a + (b - a) * random.random::<f64>());
+            return x.extend((n == 1).then(|| self.place(at)));
+        }
+        let side = self.sides(&brick);
+        let longer = |a: usize, b: usize| if side[b] > side[a] { b } else { a };
+        let axis = longer(longer(0, 1), 2);
+        // Cuts are uneven at random, lest all bricks of a region have one shape.
+        let part = (n as f64 * (0.4 + 0.2 * random.random::<f64>())).round() as usize;
+        let part = part.clamp(1, n - 1);
+        let [a, b] = brick[axis];
+        let cut = a + (b - a) * part as f64 / n as f64;
+        brick[axis] = [a, cut];
+        self.halve(part, brick, random, x);
+        brick[axis] = [cut, b];
+        self.halve(n - part, brick, random, x);
+    }
+
+    /// Lengths of a brick of quantiles along R, z and azimuth.
+    fn sides(&self, [u, w, azimuth]: &[[f64; 2]; 3]) -> [f64; 3] {
+        let radius = self.radius(0.5 * (u[0] + u[1]));
+        let aspect = self.aspect(radius);
+        [
+            self.radius(u[1]) - self.radius(u[0]),
+            radius * aspect * (quantile(aspect, w[1]) - quantile(aspect, w[0])),
+            2.0 * PI * radius * (azimuth[1] - azimuth[0]),
+        ]
+    }
+
+    /// The radius inside of which the part `u` of the mass lies.
+    fn radius(&self, u: f64) -> f64 {
+        let k = self.radii.partition_point(|row| row.1 <= u).clamp(1, ROWS);
+        let ((a, below), (b, above)) = (self.radii[k - 1], self.radii[k]);
+        (a + (b - a) * (u - below) / (above - below)).exp()
+    }
+
+    /// Points of equal mass settled to a glass, and the radii of their kernels with 64 neighbours.
+    pub fn settled(&self, x: Vec<Vec3>) -> (Vec<Vec3>, Vec<f64>) {
+        let mass = self.mass / x.len() as f64;
+        let sweeps = if x.len() < 64 { 0 } else { SWEEPS };
+        let mut glass = Glass::new(x, |x| mass / self.density(x), Domain::open(), self);
+        glass.settle(sweeps);
+        (glass.x, glass.support)
+    }
+
+    /// `n` settled points of equal mass, however thin the layer is: they settle in one that kernels resolve, which is then pressed flat.
+    pub fn pressed(&self, n: usize, random: &mut impl Rng) -> Vec<Vec3> {
+        let median = self.radius(0.5);
+        let full = Self {
+            thickness: 1.0,
+            ..self.clone()
+        };
+        let room = self.mass / n as f64 / full.density(Vec3::new(median, 0.0, 0.0));
+        let coarse =
+            Resolution::default().smoothing_length(room, 3) / self.disk.scale_height(median);
+        // h/H of a layer falls as thickness^(-2/3).
+        let needed = (coarse / RESOLVED)
+            .powf(1.5)
+            .min(THICK / self.disk.aspect(median));
+        let thick = Self {
+            thickness: needed.max(self.thickness),
+            ..self.clone()
+        };
+        let (mut x, _) = thick.settled(thick.bricks(n, random));
+        for x in &mut x {
+            let radius = x.x.hypot(x.y);
+            let (from, to) = (thick.aspect(radius), self.aspect(radius));
+            x.z = to * radius * quantile(to, below(from, x.z / (from * radius)));
+        }
+        x
+    }
+}
+
+impl Density for Layer<'_> {
+    fn density(&self, x: Vec3) -> f64 {
+        let radius = x.x.hypot(x.y);
+        let aspect = self.aspect(radius);
+        let (f, _) = column(aspect);
+        let midplane = self.disk.sigma(radius) / ((2.0 * PI).sqrt() * aspect * radius * f);
+        midplane * fall(aspect, x.z / (aspect * radius)).exp()
+    }
+
+    fn log_gradient(&self, x: Vec3) -> Vec3 {
+        let radius = x.x.hypot(x.y);
+        let inverse2 = self.aspect(radius).powi(-2);
+        let r = x.norm();
+        let ratio = radius / r;
+        // By R: of the midplane, and of (GM/c^2)(1/r - 1/R) with c ~ R^-exponent.
+        let outwards = self.midplane_slope(radius)
+            + inverse2 * (2.0 * self.disk.exponent * (ratio - 1.0) - ratio.powi(3) + 1.0);
+        let upwards = -inverse2 * ratio * x.z / (r * r);
+        Vec3::new(x.x, x.y, 0.0) * (outwards / (radius * radius)) + Vec3::new(0.0, 0.0, upwards)
+    }
+}
+
+/// ln(rho/rho_mid) at z = s H for H/R = `aspect`: -s^2/2 for a thin disk.
+fn fall(aspect: f64, s: f64) -> f64 {
+    let root = (1.0 + (aspect * s).powi(2)).sqrt();
+    // (1/root - 1) / aspect^2 without cancellation.
+    -s * s / (root * (1.0 + root))
+}
+
+/// The column's integral of exp(fall) over ds by sqrt(2 pi), and its dln/dln(aspect).
+fn column(aspect: f64) -> (f64, f64) {
+    let n = 12;
+    let step = TOP / f64::from(n);
+    let (mut sum, mut change) = (0.5, 0.0);
+    for k in 1..=n {
+        let s = f64::from(k) * step;
+        let root = (1.0 + (aspect * s).powi(2)).sqrt();
+        let (e, end) = (fall(aspect, s), if k == n { 0.5 } else { 1.0 });
+        sum += end * e.exp();
+        change += end * e.exp() * (-2.0 * e - s * s / root.powi(3));
+    }
+    (sum * step * (2.0 / PI).sqrt(), change / sum)
+}
+
+/// Cells of a column's upper half, for sums of `fall`.
+const CELLS: usize = 200;
+
+/// s = z/H below which the part `w` of a column lies.
+fn quantile(aspect: f64, w: f64) -> f64 {
+    let step = TOP / CELLS as f64;
+    let (f, _) = column(aspect);
+    let wanted = (2.0 * w - 1.0).abs() * f * (PI / 2.0).sqrt() / step;
+    let (mut sum, mut last) = (0.0, 1.0);
+    for k in 1..=CELLS {
+        let next = fall(aspect, k as f64 * step).exp();
+        let cell = 0.5 * (last + next);
+        if sum + cell >= wanted || k == CELLS {
+            let s = step * ((k - 1) as f64 + ((wanted - sum) / cell).min(1.0));
+            return s.copysign(w - 0.5);
+        }
+        sum += cell;
+        last = next;
+    }
+    unreachable!("the last cell ends the search")
+}
+
+/// The part of a column below s = z/H, the inverse of `quantile`.
+fn below(aspect: f64, s: f64) -> f64 {
+    let step = TOP / CELLS as f64;
+    let (f, _) = column(aspect);
+    let place = (s.abs() / step).min(CELLS as f64);
+    let value = |k: usize| fall(aspect, k as f64 * step).exp();
+    let whole = (place as usize).min(CELLS - 1);
+    let cell = |k: usize| 0.5 * (value(k) + value(k + 1));
+    let sum = (0..whole).map(cell).sum::<f64>() + (place - whole as f64) * cell(whole);
+    let half = sum * step / (f * (PI / 2.0).sqrt());
+    (0.5 * (1.0 + half.copysign(s))).clamp(0.0, 1.0)
+}
