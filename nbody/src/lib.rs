@@ -2,6 +2,7 @@
 //! planetesimals, their gravity, orbits, integrators and collisions.
 
 pub mod bodies;
+pub mod kepler;
 pub mod points;
 
 pub use bodies::{Bodies, Kind};
