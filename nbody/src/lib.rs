@@ -3,6 +3,7 @@
 
 pub mod bodies;
 pub mod gravity;
+pub mod kepler;
 pub mod points;
 
 pub use bodies::{Bodies, Kind};
