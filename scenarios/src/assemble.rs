@@ -11,7 +11,6 @@ use coupling::{Operator, Splitting, System};
 use dust::motion::Pacing;
 use nbody::gravity as solver;
 use nbody::points::Columns;
-use nbody::{Bodies, Kind};
 
 use crate::populate;
 use crate::scene::{self, Collisions, Integrator, Mass, Scene, TimeStep};
@@ -179,13 +178,4 @@ fn plan(scene: &Scene, integrator: Integrator) -> Plan {
         star_in_kick: integrator == Integrator::Leapfrog,
         bodies_in_kick: integrator != Integrator::GaussRadau,
     }
-}
-
-/// Star or planet or planetesimal: a row of a body set.
-pub fn push(bodies: &mut Bodies, kind: Kind, id: u64) -> usize {
-    let i = bodies.len();
-    bodies.resize(i + 1);
-    bodies.id[i] = id;
-    bodies.kind[i] = kind as u32;
-    i
 }

@@ -11,8 +11,7 @@ use nbody::points::random::Purpose;
 use nbody::points::{Columns, Vec3};
 use nbody::{Bodies, Kind};
 
-use crate::assemble::push;
-use crate::initial::belt::{self, Belt, Elements};
+use crate::initial::belt::{self, Belt, Body, Centre, Elements};
 use crate::initial::disk::Disk;
 use crate::initial::grains::{self, Grains};
 use crate::initial::lattice::{self, Arrangement};
@@ -137,65 +136,57 @@ pub fn fill(scene: &Scene, system: &mut System) -> Result<(), Refusal> {
 
 fn stars(scene: &Scene, system: &mut System, file: &mut Bodies) {
     if let Some(star) = &scene.star {
+        let body = Body { kind: Kind::Star, mass: star.mass, radius: star.accretion_radius, softening: 0.0 };
         if file.is_empty() {
-            push(file, Kind::Star, 0);
+            belt::place(file, 0, body, (Vec3::zeros(), Vec3::zeros()));
         }
-        file.kind[0] = Kind::Star as u32;
-        file.radius[0] = star.accretion_radius;
-        // The scene's mass is what the star weighs wherever it is.
-        file.m[0] = star.mass;
+        // The scene's star is what the star is, wherever the file puts it.
+        (file.m[0], file.radius[0]) = (star.mass, star.accretion_radius);
     }
     system.star = std::mem::take(file);
 }
 
 fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
     let mut bodies = Bodies::default();
-    let centre = system.star.x.first().map(|&x| (x, system.star.v[0], system.star.m[0]));
+    let g = scene.gravity.constant;
+    let centre = match system.star.x.first() {
+        Some(&x) => Centre { x, v: system.star.v[0], mass: system.star.m[0], g },
+        None => Centre { x: Vec3::zeros(), v: Vec3::zeros(), mass: 0.0, g },
+    };
+    let softening = scene.planetesimals.as_ref().map_or(0.0, |p| p.softening);
     for planet in &scene.planets {
-        let i = push(&mut bodies, Kind::Planet, ids.take(1));
-        (bodies.m[i], bodies.radius[i]) = (planet.mass, planet.radius);
-        (bodies.x[i], bodies.v[i]) = match planet.orbit {
-            scene::Orbit::State { position, velocity } => (position, velocity),
+        let body = Body { kind: Kind::Planet, mass: planet.mass, radius: planet.radius, softening };
+        let id = ids.take(1);
+        match planet.orbit {
+            scene::Orbit::State { position, velocity } => belt::place(&mut bodies, id, body, (position, velocity)),
             scene::Orbit::Elements {
                 semi_major_axis,
                 eccentricity,
                 inclination,
-                longitude_of_node,
-                argument_of_pericentre,
+                longitude_of_node: node,
+                argument_of_pericentre: pericentre,
                 mean_anomaly,
             } => {
-                let (x0, v0, m0) = centre.unwrap_or((Vec3::zeros(), Vec3::zeros(), 0.0));
-                let elements = Elements {
-                    semi_major_axis,
-                    eccentricity,
-                    inclination,
-                    node: longitude_of_node,
-                    pericentre: argument_of_pericentre,
-                    mean_anomaly,
-                };
-                let (x, v) = belt::state(&elements, scene.gravity.constant * (m0 + planet.mass));
-                (x0 + x, v0 + v)
+                let elements = Elements { semi_major_axis, eccentricity, inclination, node, pericentre, mean_anomaly };
+                belt::orbit(&mut bodies, id, body, &elements, &centre);
             }
-        };
-    }
-    if let Some(p) = &scene.planetesimals {
-        if let (Some((x, v, m)), true) = (centre, p.number > 0) {
-            let belt = Belt {
-                number: p.number,
-                mass: p.mass,
-                inner_radius: p.inner_radius,
-                outer_radius: p.outer_radius,
-                slope: p.slope,
-                eccentricity: p.eccentricity,
-                inclination: p.inclination,
-                density: p.density,
-            };
-            let first = ids.take(p.number);
-            append(&mut bodies, &belt.bodies(scene.gravity.constant, (m, x, v), scene.run.seed, first));
         }
-        file.softening.fill(p.softening);
-        bodies.softening.fill(p.softening);
     }
+    if let Some(p) = scene.planetesimals.as_ref().filter(|p| p.number > 0) {
+        let belt = Belt {
+            number: p.number,
+            mass: p.mass,
+            density: p.density,
+            softening,
+            inner_radius: p.inner_radius,
+            outer_radius: p.outer_radius,
+            slope: p.slope,
+            eccentricity: p.eccentricity,
+            inclination: p.inclination,
+        };
+        append(&mut bodies, &belt.bodies(&centre, scene.run.seed, ids.take(p.number)));
+    }
+    file.softening.fill(softening);
     let first = ids.take(file.len());
     number(&mut file.id, first);
     append(&mut bodies, &file);

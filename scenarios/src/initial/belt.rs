@@ -88,8 +88,11 @@ pub struct Body {
     pub softening: f64,
 }
 
-/// Radius of a sphere.
+/// Radius of a sphere; zero for a body without a density, which has no size.
 pub fn radius(mass: f64, density: f64) -> f64 {
+    if density == 0.0 {
+        return 0.0;
+    }
     (3.0 * mass / (4.0 * PI * density)).cbrt()
 }
 
@@ -180,8 +183,8 @@ impl Belt {
             "a belt ends outside of where it begins"
         );
         assert!(
-            self.mass >= 0.0 && self.density > 0.0,
-            "masses and densities are positive"
+            self.mass >= 0.0 && self.density >= 0.0,
+            "masses and densities are not negative"
         );
         assert!(
             (0.0..1.0).contains(&self.eccentricity) && self.inclination >= 0.0,
