@@ -1,1 +1,3 @@
-//! placeholder
+//! What populations do to each other.
+
+pub mod drag;
