@@ -10,7 +10,7 @@ mod weights;
 use nbody::points::{Domain, Vec3};
 
 pub use candidates::Candidates;
-pub use weights::{Shape, Weights};
+pub use weights::{Shape, Weights, radius};
 
 use crate::Gas;
 

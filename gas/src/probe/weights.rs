@@ -88,8 +88,13 @@ impl Kernel {
     }
 }
 
-/// Tolerance of the neighbour number: it sets a resolution, which needs no digits.
-const TOLERANCE: f64 = 0.02;
+/// Radius of the sphere (disc) in which a point with smoothing length `h` has its neighbours.
+pub fn radius(domain: &Domain, h: f64) -> f64 {
+    Kernel::new(domain).ratio * h
+}
+
+/// Error of the neighbour number from which one last step of Newton's method suffices.
+const TOLERANCE: f64 = 1e-3;
 
 /// Sum of |w| up to which weights exact for linear fields are taken.
 const MOST_ABSOLUTE: f64 = 1.1;
@@ -151,7 +156,7 @@ impl Weights {
         self.clear(radius / kernel.ratio);
         self.weigh(candidates, kernel, x, radius);
         if !self.index.is_empty() {
-            self.correct(domain, radius);
+            self.correct(domain);
         }
         true
     }
@@ -228,8 +233,9 @@ impl Weights {
         };
         for _ in 0..100 {
             let (number, slope) = self.number(kernel, radius);
+            let newton = radius * ((wanted / number).ln() * number / slope).exp();
             if (number / wanted - 1.0).abs() < TOLERANCE {
-                return Some(radius);
+                return Some(newton.min(available));
             }
             if number < wanted {
                 if radius >= available {
@@ -240,7 +246,6 @@ impl Weights {
                 high = radius;
                 bounded = true;
             }
-            let newton = radius * ((wanted / number).ln() * number / slope).exp();
             radius = if newton > low && newton < high {
                 newton
             } else if bounded {
@@ -275,34 +280,33 @@ impl Weights {
     }
 
     /// Makes the weights exact for linear fields, or the best that can be had.
-    fn correct(&mut self, domain: &Domain, radius: f64) {
+    fn correct(&mut self, domain: &Domain) {
         let (zeroth, first, second) = self.moments();
         if zeroth <= 0.0 {
             // All neighbours are at the very edge of the kernel, where it underflows.
             self.clear(self.h);
             return;
         }
-        let (first, second) = (first / zeroth, second / zeroth);
-        let mut full = second;
+        let centre = first / zeroth;
+        let spread = second / zeroth - centre * centre.transpose();
+        let mut full = spread;
         for axis in (0..3).filter(|&axis| !domain.axes[axis]) {
-            full[(axis, axis)] = radius * radius;
+            full[(axis, axis)] = self.h * self.h;
         }
-        // Of an isotropic neighbourhood the determinant is 3e-4 (4e-3 in two dimensions).
-        let regular = full.determinant() > 1e-8 * radius.powi(6);
-        let slope = full
-            .cholesky()
-            .filter(|_| regular)
-            .map(|c| c.solve(&-first));
-        if let Some(slope) = slope {
-            let norm = 1.0 / (zeroth * (1.0 + slope.dot(&first)));
-            if norm > 0.0 && self.absolute(slope) * norm < MOST_ABSOLUTE {
-                self.tilt(norm, slope);
+        // Inside the gas the determinant is h^6/64 (h^6/16 in two dimensions); at the edge of a plane or line of gas it vanishes.
+        if full.determinant() > 1e-4 * self.h.powi(6)
+            && let Some(root) = full.cholesky()
+        {
+            let slope = root.solve(&-centre);
+            let level = 1.0 - slope.dot(&centre);
+            if self.absolute(level, slope) < MOST_ABSOLUTE * zeroth {
+                self.tilt(level, slope);
                 self.shape = Shape::Linear;
                 return;
             }
         }
-        self.tilt(1.0 / zeroth, Vec3::zeros());
-        self.turn(first, second);
+        self.tilt(1.0, Vec3::zeros());
+        self.turn(centre, spread);
     }
 
     /// Sum of w, w r and w r r.
@@ -336,35 +340,40 @@ impl Weights {
         )
     }
 
-    fn factor(&self, k: usize, slope: Vec3) -> f64 {
+    /// Sum of |w (level + slope.r)|.
+    fn absolute(&self, level: f64, slope: Vec3) -> f64 {
         let [rx, ry, rz] = &self.relative;
-        1.0 + slope.x * rx[k] + slope.y * ry[k] + slope.z * rz[k]
-    }
-
-    /// Sum of |w (1 + slope.r)|.
-    fn absolute(&self, slope: Vec3) -> f64 {
-        let terms = self.weight.iter().enumerate();
-        terms.map(|(k, w)| w * self.factor(k, slope).abs()).sum()
-    }
-
-    /// Multiplies the weights by norm (1 + slope.r), and brings their sum to one within round-off.
-    fn tilt(&mut self, norm: f64, slope: Vec3) {
-        let mut sum = 0.0;
-        for k in 0..self.weight.len() {
-            let w = self.weight[k] * norm * self.factor(k, slope);
-            self.weight[k] = w;
-            sum += w;
+        let mut sums = [0.0; 4];
+        for (k, w) in self.weight.iter().enumerate() {
+            let factor = level + slope.x * rx[k] + slope.y * ry[k] + slope.z * rz[k];
+            sums[k & 3] += w * factor.abs();
         }
-        let norm = 1.0 / sum;
+        sums.iter().sum()
+    }
+
+    /// Multiplies the weights by level + slope.r, and brings their sum to one.
+    fn tilt(&mut self, level: f64, slope: Vec3) {
+        let [rx, ry, rz] = &self.relative;
+        let columns = rx.iter().zip(ry).zip(rz);
+        for (w, ((x, y), z)) in self.weight.iter_mut().zip(columns) {
+            *w *= level + slope.x * x + slope.y * y + slope.z * z;
+        }
+        let mut sums = [0.0; 4];
+        for (k, w) in self.weight.iter().enumerate() {
+            sums[k & 3] += w;
+        }
+        let norm = 1.0 / sums.iter().sum::<f64>();
         self.weight.iter_mut().for_each(|w| *w *= norm);
     }
 
-    /// Rigid rotation about the neighbours' centre; `first` and `second` are moments by the normalised weights.
-    fn turn(&mut self, first: Vec3, second: Matrix3<f64>) {
+    /// Rigid rotation about the neighbours' `centre`; `spread` is the covariance of their places.
+    fn turn(&mut self, centre: Vec3, spread: Matrix3<f64>) {
         self.shape = Shape::Plain;
-        let spread = second - first * first.transpose();
+        if spread.trace().is_nan() || spread.trace() < 1e-8 * self.h * self.h {
+            return;
+        }
         let inertia = Matrix3::from_diagonal_element(spread.trace()) - spread;
-        if inertia.determinant().is_nan() || inertia.determinant() < 1e-6 * spread.trace().powi(3) {
+        if inertia.determinant() < 1e-6 * spread.trace().powi(3) {
             return;
         }
         let Some(inverse) = inertia.try_inverse() else {
@@ -372,12 +381,12 @@ impl Weights {
         };
         let [rx, ry, rz] = &self.relative;
         self.arm
-            .extend((0..rx.len()).map(|k| Vec3::new(rx[k], ry[k], rz[k]) - first));
+            .extend((0..rx.len()).map(|k| Vec3::new(rx[k], ry[k], rz[k]) - centre));
         let longest = self.arm.iter().fold(0.0, |m: f64, s| m.max(s.norm()));
-        let gain = 1.0 + first.norm() * inverse.norm() * longest;
+        let gain = 1.0 + centre.norm() * inverse.norm() * longest;
         if gain < MOST_GAIN {
             self.shape = Shape::Rigid;
-            (self.offset, self.inverse_inertia, self.gain) = (first, inverse, gain);
+            (self.offset, self.inverse_inertia, self.gain) = (centre, inverse, gain);
         } else {
             self.arm.clear();
         }

@@ -1,0 +1,197 @@
+//! Drag: the exchange of momentum and energy between immersed particles (grains, bodies) and the gas around them.
+//!
+//! u_i = v_i - sum_j w_ij v_j, w from [`gas::probe`]. Over a half step s with the relative acceleration a_i of everything but drag,
+//!     u(s) = u(0) e^-x + a s (1 - e^-x)/x,  x = (1 + eps_i) s / t_i,  eps_i = sum_j |w_ij| sum_k m_k |w_kj| / m_j,
+//! grain i takes the impulse m_i d_i, d_i = (u(s) - u(0) - a s) / (1 + eps_i), and gas j takes -w_ij m_i d_i. All grains act at once on one
+//! state of the gas. 1 + eps bounds the row sums of u' = -(1 + S) u/t (Gershgorin), so kinetic energy falls for any s / t; in uniform fields
+//! the exchange is exact. What the gas then did beyond -eps_i d_i is made up for by a second pass (deferred correction), so that it is
+//! of second order for mixtures and any positions, too. Momentum and angular momentum are kept to round-off; the lost kinetic energy is heat,
+//! spread over a grain's neighbours by weight.
+//! Velocities are those predicted to this tick (`v_pred`): a closing half step ends now and its kick is in them, an opening one begins
+//! now and its kick is not; whether kick or drag is done first does not matter. The half step's kick itself is done elsewhere.
+
+mod block;
+mod booking;
+mod group;
+mod immersed;
+mod relaxation;
+mod touched;
+
+use gas::Gas;
+use gas::probe::Reach;
+use nbody::points::{Domain, Vec3};
+use rayon::prelude::*;
+
+pub use booking::{Booking, Change};
+pub use dust::{Ambient, StoppingLaw};
+pub use immersed::{BodiesInGas, Grains, Immersed, Star};
+
+use block::{Block, Scratch};
+use touched::Touched;
+
+/// Which half of its step a particle does at a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Half {
+    /// The second half, which ends now.
+    Closing,
+    /// The first half, which begins now.
+    Opening,
+}
+
+/// How drag acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    pub law: StoppingLaw,
+    pub reach: Reach,
+    /// Whether the gas feels the reaction.
+    pub feedback: bool,
+    /// Share of the frictional heat that the gas keeps; the rest is radiated.
+    pub heat_share: f64,
+    /// Whether drag and the kick of the half step are solved together.
+    pub joint: bool,
+}
+
+impl Settings {
+    /// Drag by `law` with reaction, all heat in the gas, solved together with the kick.
+    pub fn new(law: StoppingLaw, reach: Reach) -> Self {
+        Self {
+            law,
+            reach,
+            feedback: true,
+            heat_share: 1.0,
+            joint: true,
+        }
+    }
+}
+
+/// Immersed particles a block: blocks are fixed by the list of active particles alone, so that results do not depend on threads.
+const BLOCK: usize = 256;
+
+/// The pairs of the active particles at a tick, and the buffers of the exchange.
+#[derive(Clone, Debug)]
+pub struct Exchange {
+    pub settings: Settings,
+    active: Vec<u32>,
+    blocks: Vec<Block>,
+    used: usize,
+    touched: Touched,
+}
+
+impl Exchange {
+    pub fn new(settings: Settings) -> Self {
+        assert!(
+            settings.reach.largest.is_finite() && settings.reach.largest > 0.0,
+            "drag looks for gas within a finite reach"
+        );
+        Self {
+            settings,
+            active: Vec::new(),
+            blocks: Vec::new(),
+            used: 0,
+            touched: Touched::default(),
+        }
+    }
+
+    /// Finds the gas around the `active` particles, once a tick; positions and density of the gas are those of now.
+    ///
+    /// Fast if neighbours in the list are neighbours in space.
+    pub fn prepare<I: Immersed>(
+        &mut self,
+        gas: &Gas,
+        immersed: &mut I,
+        active: &[u32],
+        domain: &Domain,
+    ) {
+        self.active.clear();
+        self.active.extend_from_slice(active);
+        self.used = active.len().div_ceil(BLOCK);
+        if self.blocks.len() < self.used {
+            self.blocks.resize_with(self.used, Block::default);
+        }
+        let (settings, seen) = (&self.settings, &*immersed);
+        self.blocks[..self.used]
+            .par_iter_mut()
+            .zip(active.par_chunks(BLOCK))
+            .for_each_init(Scratch::default, |scratch, (block, members)| {
+                block.link(gas, seen, members, domain, &settings.reach, scratch);
+            });
+        for (block, members) in self.blocks.iter().zip(active.chunks(BLOCK)) {
+            block.keep_smoothing(immersed, members);
+        }
+        if settings.feedback {
+            self.load(gas);
+        }
+    }
+
+    /// Lists the touched gas and finds eps of all active particles.
+    fn load(&mut self, gas: &Gas) {
+        let blocks = &mut self.blocks[..self.used];
+        self.touched.list(blocks);
+        blocks.par_iter_mut().for_each(Block::spread_load);
+        self.touched.sum(blocks, gas);
+        let touched = &self.touched;
+        blocks
+            .par_iter_mut()
+            .for_each(|block| block.gather_load(touched));
+    }
+
+    /// Drag over the half steps `steps` of the active particles, as they were given to [`Exchange::prepare`].
+    pub fn exchange<I: Immersed>(
+        &mut self,
+        gas: &mut Gas,
+        immersed: &mut I,
+        steps: &[f64],
+        half: Half,
+    ) -> Booking {
+        assert_eq!(
+            steps.len(),
+            self.active.len(),
+            "a half step for each prepared particle"
+        );
+        let blocks = &mut self.blocks[..self.used];
+        let (settings, seen, see) = (&self.settings, &*immersed, &*gas);
+        blocks
+            .par_iter_mut()
+            .zip(self.active.par_chunks(BLOCK).zip(steps.par_chunks(BLOCK)))
+            .for_each(|(block, (members, steps))| {
+                block.relax(see, seen, (members, steps), half, settings);
+            });
+        if settings.feedback {
+            blocks.par_iter_mut().for_each(Block::spread_impulse);
+            self.touched.sum(blocks, see);
+            let touched = &self.touched;
+            blocks.par_iter_mut().for_each(|block| {
+                block.refine(touched);
+                block.spread_impulse();
+            });
+            self.touched.sum(blocks, see);
+        }
+        let mut booking = Booking::default();
+        for (block, members) in blocks.iter().zip(self.active.chunks(BLOCK)) {
+            block.push(immersed, members, &mut booking);
+        }
+        if settings.feedback {
+            self.touched.push(gas, settings.heat_share, &mut booking);
+        } else {
+            blocks
+                .iter()
+                .for_each(|block| block.give_away(&mut booking));
+        }
+        booking
+    }
+
+    /// Loss of velocity per unit of the grain's own, 1 + eps, of each prepared particle.
+    pub fn loads(&self) -> impl Iterator<Item = f64> {
+        self.blocks[..self.used].iter().flat_map(Block::loads)
+    }
+}
+
+/// A sum over the pairs of one gas particle: momentum, energy.
+type Parcel = [f64; 4];
+
+fn parcel(p: Vec3, e: f64) -> Parcel {
+    [p.x, p.y, p.z, e]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,388 @@
+//! Block: a run of immersed particles with its pairs, and its own copies ("slots") of the gas that they see.
+//!
+//! Everything a block writes is its own: sums over gas are formed slot by slot and added up over the blocks afterwards, in a fixed order.
+
+use gas::Gas;
+use gas::probe::{Candidates, Reach, Shape, Weights, isothermal, radius};
+use nalgebra::Matrix3;
+use nbody::points::{Domain, Vec3};
+
+use super::group::Group;
+use super::relaxation::{change, lag};
+use super::{Ambient, Booking, Half, Immersed, Parcel, Settings, parcel};
+
+/// Buffers of a thread while it links blocks.
+#[derive(Default)]
+pub struct Scratch {
+    candidates: Candidates,
+    /// of a member that finds too little in the group's
+    own: Candidates,
+    weights: Weights,
+    window: Vec<u32>,
+}
+
+/// An immersed particle: the gas around it, and its exchange.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    h: f64,
+    rho: f64,
+    c: f64,
+    shape: Shape,
+    gain: f64,
+    /// Place of its rigid shape in `turns`.
+    turn: u32,
+    eps: f64,
+    m: f64,
+    t_stop: f64,
+    /// change of its velocity
+    dv: Vec3,
+    /// its change per velocity that the gas is found to have gained beyond -eps dv
+    share: f64,
+    /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
+    u_tick: Vec3,
+    u_middle: Vec3,
+    /// velocity of the gas at this tick
+    v_gas: Vec3,
+    x: Vec3,
+}
+
+/// What a rigid shape adds to the weights.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    offset: Vec3,
+    inverse_inertia: Matrix3<f64>,
+    first_arm: usize,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct Block {
+    rows: Vec<Row>,
+    /// first pair of each row, and the end
+    start: Vec<u32>,
+    slot: Vec<u32>,
+    weight: Vec<f64>,
+    turns: Vec<Turn>,
+    arms: Vec<Vec3>,
+    /// gas particle of each slot, ascending
+    pub gas: Vec<u32>,
+    /// place of each slot in the list of touched gas
+    pub place: Vec<u32>,
+    /// sums over the pairs of each slot
+    pub partial: Vec<Parcel>,
+    v: Vec<Vec3>,
+    a: Vec<Vec3>,
+}
+
+impl Block {
+    /// Finds the gas around the members.
+    pub fn link<I: Immersed>(
+        &mut self,
+        gas: &Gas,
+        immersed: &I,
+        members: &[u32],
+        domain: &Domain,
+        reach: &Reach,
+        scratch: &mut Scratch,
+    ) {
+        self.clear();
+        let mut first = 0;
+        while first < members.len() {
+            let group = Group::new(immersed, &members[first..], domain);
+            let available = (1.15 * group.radius).min(radius(domain, reach.largest));
+            let warm = group.radius > 0.0;
+            if warm {
+                scratch
+                    .candidates
+                    .gather(gas, domain, group.lo, group.hi, available);
+            }
+            let weights = &mut scratch.weights;
+            for &i in &members[first..first + group.count] {
+                let i = i as usize;
+                let start = (immersed.position(i), immersed.smoothing(i));
+                if !(warm && weights.fit(&scratch.candidates, domain, start, available, reach)) {
+                    weights.find(&mut scratch.own, gas, domain, start, reach);
+                }
+                self.add(weights, immersed.mass(i));
+            }
+            first += group.count;
+        }
+        self.number_slots(&mut scratch.window);
+        self.place.resize(self.gas.len(), 0);
+        self.hear(gas);
+    }
+
+    fn clear(&mut self) {
+        self.rows.clear();
+        self.start.clear();
+        self.start.push(0);
+        self.slot.clear();
+        self.weight.clear();
+        self.turns.clear();
+        self.arms.clear();
+    }
+
+    /// Appends a row; its slots are gas particles until they are numbered.
+    fn add(&mut self, weights: &Weights, m: f64) {
+        if weights.shape == Shape::Rigid {
+            self.turns.push(Turn {
+                offset: weights.offset,
+                inverse_inertia: weights.inverse_inertia,
+                first_arm: self.arms.len(),
+            });
+            self.arms.extend_from_slice(&weights.arm);
+        }
+        self.rows.push(Row {
+            h: weights.h,
+            rho: weights.rho,
+            shape: weights.shape,
+            gain: weights.gain,
+            turn: self.turns.len().saturating_sub(1) as u32,
+            m,
+            ..Row::default()
+        });
+        self.slot.extend_from_slice(&weights.index);
+        self.weight.extend_from_slice(&weights.weight);
+        self.start.push(self.slot.len() as u32);
+    }
+
+    /// Numbers the gas particles of all pairs in ascending order.
+    fn number_slots(&mut self, window: &mut Vec<u32>) {
+        self.gas.clear();
+        let (Some(&first), Some(&last)) = (self.slot.iter().min(), self.slot.iter().max()) else {
+            return;
+        };
+        window.clear();
+        window.resize((last - first + 1) as usize, 0);
+        for &j in &self.slot {
+            window[(j - first) as usize] = 1;
+        }
+        for (j, number) in (first..).zip(window.iter_mut()) {
+            if *number == 1 {
+                *number = self.gas.len() as u32;
+                self.gas.push(j);
+            }
+        }
+        for slot in &mut self.slot {
+            *slot = window[(*slot - first) as usize];
+        }
+    }
+
+    /// Isothermal sound speed around each row.
+    fn hear(&mut self, gas: &Gas) {
+        let square = |&j: &u32| parcel(Vec3::zeros(), isothermal(gas, j as usize));
+        self.partial.clear();
+        self.partial.extend(self.gas.iter().map(square));
+        for k in 0..self.rows.len() {
+            let pairs = self.pairs(k);
+            let (sum, norm) = pairs.fold((0.0, 0.0), |(sum, norm), (slot, w)| {
+                (sum + w.abs() * self.partial[slot][3], norm + w.abs())
+            });
+            self.rows[k].c = if norm > 0.0 { (sum / norm).sqrt() } else { 0.0 };
+        }
+    }
+
+    fn pairs(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.start[row] as usize..self.start[row + 1] as usize;
+        let weights = &self.weight[range.clone()];
+        let slots = self.slot[range].iter().map(|&slot| slot as usize);
+        slots.zip(weights.iter().copied())
+    }
+
+    /// A vector field of the slots, at a row.
+    fn seen(&self, row: usize, field: &[Vec3]) -> Vec3 {
+        let plain = self.pairs(row).map(|(slot, w)| w * field[slot]).sum();
+        if self.rows[row].shape != Shape::Rigid {
+            return plain;
+        }
+        let turn = &self.turns[self.rows[row].turn as usize];
+        let arms = &self.arms[turn.first_arm..];
+        let spin: Vec3 = self
+            .pairs(row)
+            .zip(arms)
+            .map(|((slot, w), arm)| w * arm.cross(&field[slot]))
+            .sum();
+        plain - (turn.inverse_inertia * spin).cross(&turn.offset)
+    }
+
+    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
+        for (row, &i) in self.rows.iter().zip(members) {
+            immersed.keep_smoothing(i as usize, row.h);
+        }
+    }
+
+    /// Spreads |w| m over the slots.
+    pub fn spread_load(&mut self) {
+        self.partial.clear();
+        self.partial.resize(self.gas.len(), [0.0; 4]);
+        for (k, row) in self.rows.iter().enumerate() {
+            let range = self.start[k] as usize..self.start[k + 1] as usize;
+            let load = row.m * row.gain;
+            for (&slot, w) in self.slot[range.clone()].iter().zip(&self.weight[range]) {
+                self.partial[slot as usize][0] += load * w.abs();
+            }
+        }
+    }
+
+    /// eps of each row, from the loads of the gas.
+    pub fn gather_load(&mut self, touched: &super::Touched) {
+        for (part, &place) in self.partial.iter_mut().zip(&self.place) {
+            *part = touched.sums[place as usize];
+        }
+        for k in 0..self.rows.len() {
+            let load = self
+                .pairs(k)
+                .map(|(slot, w)| w.abs() * self.partial[slot][0])
+                .sum::<f64>();
+            self.rows[k].eps = self.rows[k].gain * load;
+        }
+    }
+
+    /// Each row's change of velocity, as if all gas around it changed by -eps times that.
+    pub fn relax<I: Immersed>(
+        &mut self,
+        gas: &Gas,
+        immersed: &I,
+        (members, steps): (&[u32], &[f64]),
+        half: Half,
+        settings: &Settings,
+    ) {
+        self.v.clear();
+        self.v
+            .extend(self.gas.iter().map(|&j| gas.rates.v_pred[j as usize]));
+        self.a.clear();
+        if settings.joint {
+            self.a
+                .extend(self.gas.iter().map(|&j| gas.acceleration(j as usize)));
+        }
+        for (k, (&i, &step)) in members.iter().zip(steps).enumerate() {
+            let i = i as usize;
+            let v_gas = self.seen(k, &self.v);
+            let a = match immersed.acceleration(i) {
+                Some(a) if settings.joint => a - self.seen(k, &self.a),
+                _ => Vec3::zeros(),
+            };
+            let row = &mut self.rows[k];
+            (row.v_gas, row.x) = (v_gas, immersed.position(i));
+            row.u_tick = immersed.velocity(i) - v_gas;
+            row.relax(&settings.law, immersed, i, step, half, a);
+        }
+    }
+
+    /// Spreads the reaction to each row's change, and its heat, over the slots.
+    pub fn spread_impulse(&mut self) {
+        self.partial.clear();
+        self.partial.resize(self.gas.len(), [0.0; 4]);
+        for k in 0..self.rows.len() {
+            let row = self.rows[k];
+            let range = self.start[k] as usize..self.start[k + 1] as usize;
+            let reaction = -row.m * row.dv;
+            let [x, y, z, q] = parcel(reaction, row.heat());
+            for (&slot, w) in self.slot[range.clone()].iter().zip(&self.weight[range]) {
+                let part = &mut self.partial[slot as usize];
+                part[0] += w * x;
+                part[1] += w * y;
+                part[2] += w * z;
+                part[3] += w * q;
+            }
+            if row.shape == Shape::Rigid {
+                self.spread_turn(k, reaction);
+            }
+        }
+    }
+
+    /// The part of a rigid shape's reaction that keeps the angular momentum.
+    fn spread_turn(&mut self, k: usize, reaction: Vec3) {
+        let turn = &self.turns[self.rows[k].turn as usize];
+        let spin = turn.inverse_inertia * turn.offset.cross(&reaction);
+        let range = self.start[k] as usize..self.start[k + 1] as usize;
+        for (pair, arm) in range.zip(&self.arms[turn.first_arm..]) {
+            let impulse = -self.weight[pair] * spin.cross(arm);
+            let part = &mut self.partial[self.slot[pair] as usize];
+            part[0] += impulse.x;
+            part[1] += impulse.y;
+            part[2] += impulse.z;
+        }
+    }
+
+    /// Makes up for what the gas did beyond -eps dv.
+    pub fn refine(&mut self, touched: &super::Touched) {
+        self.v.clear();
+        self.v.extend(self.place.iter().map(|&place| {
+            let [x, y, z, _] = touched.sums[place as usize];
+            Vec3::new(x, y, z)
+        }));
+        for k in 0..self.rows.len() {
+            let gained = self.seen(k, &self.v);
+            let row = &mut self.rows[k];
+            row.dv += row.share * (gained + row.eps * row.dv);
+        }
+    }
+
+    /// Gives the members their change of velocity.
+    pub fn push<I: Immersed>(&self, immersed: &mut I, members: &[u32], booking: &mut Booking) {
+        for (row, &i) in self.rows.iter().zip(members) {
+            let i = i as usize;
+            let v = immersed.velocity(i);
+            booking.immersed.add((row.x, v), row.m, row.dv);
+            booking.kick += row.m * row.dv.dot(&(row.u_tick - row.u_middle));
+            booking.rigid += usize::from(row.shape == Shape::Rigid);
+            booking.plain += usize::from(row.shape == Shape::Plain);
+            booking.without_gas += usize::from(row.shape == Shape::Empty);
+            immersed.push(i, row.dv, row.t_stop, row.rho);
+        }
+    }
+
+    /// Books what a gas that feels no reaction would have got.
+    pub fn give_away(&self, booking: &mut Booking) {
+        for row in &self.rows {
+            booking.gas.momentum -= row.m * row.dv;
+            booking.gas.angular_momentum -= row.m * row.x.cross(&row.dv);
+            booking.gas.kinetic -= row.m * row.dv.dot(&row.v_gas);
+            booking.radiated += row.heat();
+        }
+    }
+
+    pub fn loads(&self) -> impl Iterator<Item = f64> {
+        self.rows.iter().map(|row| 1.0 + row.eps)
+    }
+}
+
+impl Row {
+    fn relax<I: Immersed>(
+        &mut self,
+        law: &super::StoppingLaw,
+        immersed: &I,
+        i: usize,
+        step: f64,
+        half: Half,
+        a: Vec3,
+    ) {
+        let kick = a * step;
+        let (start, sign) = match half {
+            Half::Closing => (self.u_tick - kick, -0.5),
+            Half::Opening => (self.u_tick, 0.5),
+        };
+        self.u_middle = self.u_tick + sign * kick;
+        let sphere = immersed.sphere(i);
+        let ambient = Ambient {
+            rho: self.rho,
+            c: self.c,
+            omega: immersed.omega(i),
+        };
+        let load = 1.0 + self.eps;
+        let depth = |speed: f64| law.e_foldings(&sphere, &ambient, speed, load * step);
+        let mut x = depth(start.norm());
+        if !law.is_linear() && kick != Vec3::zeros() {
+            // Half of what the kick leaves at the end stands for its effect on the stopping time.
+            x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
+        }
+        self.dv = change(x, start, kick) / load;
+        self.share = lag(x) / load;
+        self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
+    }
+
+    /// Heat of the row's change in gas of fixed velocity.
+    fn heat(&self) -> f64 {
+        -self.m * self.dv.dot(&(self.u_middle + 0.5 * self.dv))
+    }
+}

@@ -1,0 +1,154 @@
+//! Immersed particles: what drag needs to know of grains and of bodies.
+
+use dust::{Dust, Sphere};
+use nbody::Bodies;
+use nbody::points::Vec3;
+
+/// Particles in gas, addressed by their place.
+pub trait Immersed: Sync {
+    fn position(&self, i: usize) -> Vec3;
+    fn mass(&self, i: usize) -> f64;
+    fn sphere(&self, i: usize) -> Sphere;
+    /// Orbital frequency; zero without a star.
+    fn omega(&self, i: usize) -> f64;
+    /// Velocity at this tick.
+    fn velocity(&self, i: usize) -> Vec3;
+    /// Acceleration by everything but drag, over the half step; none if that is not to be solved together with drag.
+    fn acceleration(&self, i: usize) -> Option<Vec3>;
+    /// Smoothing length of the gas around; zero if unknown.
+    fn smoothing(&self, i: usize) -> f64;
+    fn keep_smoothing(&mut self, i: usize, h: f64);
+    /// Takes the change of velocity, and notes stopping time and density of the gas around.
+    fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64);
+}
+
+/// The star that orbital frequencies are about.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Star {
+    pub x: Vec3,
+    /// G m; zero without a star
+    pub gm: f64,
+}
+
+impl Star {
+    fn omega(&self, x: Vec3) -> f64 {
+        if self.gm > 0.0 {
+            (self.gm / (x - self.x).norm().powi(3)).sqrt()
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Dust in gas.
+pub struct Grains<'a> {
+    pub dust: &'a mut Dust,
+    pub star: Star,
+}
+
+impl Immersed for Grains<'_> {
+    fn position(&self, i: usize) -> Vec3 {
+        self.dust.particles.x[i]
+    }
+
+    fn mass(&self, i: usize) -> f64 {
+        self.dust.particles.m[i]
+    }
+
+    fn sphere(&self, i: usize) -> Sphere {
+        Sphere {
+            radius: self.dust.particles.grain_radius[i],
+            density: self.dust.particles.grain_density[i],
+        }
+    }
+
+    fn omega(&self, i: usize) -> f64 {
+        self.star.omega(self.position(i))
+    }
+
+    fn velocity(&self, i: usize) -> Vec3 {
+        self.dust.rates.v_pred[i]
+    }
+
+    fn acceleration(&self, i: usize) -> Option<Vec3> {
+        Some(self.dust.rates.gravity[i])
+    }
+
+    fn smoothing(&self, i: usize) -> f64 {
+        self.dust.particles.h[i]
+    }
+
+    fn keep_smoothing(&mut self, i: usize, h: f64) {
+        self.dust.particles.h[i] = h;
+    }
+
+    fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64) {
+        self.dust.particles.v[i] += dv;
+        self.dust.rates.v_pred[i] += dv;
+        let stokes = if self.star.gm > 0.0 {
+            t_stop * self.omega(i)
+        } else {
+            0.0
+        };
+        let derived = &mut self.dust.derived;
+        (derived.t_stop[i], derived.stokes[i], derived.rho_gas[i]) = (t_stop, stokes, rho_gas);
+    }
+}
+
+/// Bodies in gas. Their other accelerations belong to their own integrator.
+pub struct BodiesInGas<'a> {
+    pub bodies: &'a mut Bodies,
+    /// Smoothing length of the gas around each body, kept from call to call; zero if unknown.
+    pub h: &'a mut [f64],
+    pub star: Star,
+}
+
+impl Immersed for BodiesInGas<'_> {
+    fn position(&self, i: usize) -> Vec3 {
+        self.bodies.x[i]
+    }
+
+    fn mass(&self, i: usize) -> f64 {
+        self.bodies.m[i]
+    }
+
+    fn sphere(&self, i: usize) -> Sphere {
+        let (m, radius) = (self.bodies.m[i], self.bodies.radius[i]);
+        if radius > 0.0 {
+            Sphere {
+                radius,
+                density: 0.75 * m / (std::f64::consts::PI * radius.powi(3)),
+            }
+        } else {
+            // A point has no cross section.
+            Sphere {
+                radius: 1.0,
+                density: f64::INFINITY,
+            }
+        }
+    }
+
+    fn omega(&self, i: usize) -> f64 {
+        self.star.omega(self.position(i))
+    }
+
+    fn velocity(&self, i: usize) -> Vec3 {
+        self.bodies.v[i]
+    }
+
+    fn acceleration(&self, _: usize) -> Option<Vec3> {
+        None
+    }
+
+    fn smoothing(&self, i: usize) -> f64 {
+        self.h[i]
+    }
+
+    fn keep_smoothing(&mut self, i: usize, h: f64) {
+        self.h[i] = h;
+    }
+
+    fn push(&mut self, i: usize, dv: Vec3, _: f64, _: f64) {
+        self.bodies.v[i] += dv;
+    }
+}
