@@ -14,6 +14,7 @@ mod block;
 mod booking;
 mod group;
 mod immersed;
+mod operators;
 mod relaxation;
 mod touched;
 
@@ -25,6 +26,7 @@ use rayon::prelude::*;
 pub use booking::{Booking, Change};
 pub use dust::{Ambient, StoppingLaw};
 pub use immersed::{BodiesInGas, Grains, Immersed, Star};
+pub use operators::{BodyDrag, DustDrag};
 
 use block::{Block, Scratch};
 use touched::Touched;

@@ -146,6 +146,8 @@ pub struct Ledger {
     pub given_away: Totals,
     /// How often a floor on the internal energy was used.
     pub floors: u64,
+    /// How often drag found gas so one-sided that it did not keep angular momentum.
+    pub lopsided: u64,
     last: Census,
 }
 

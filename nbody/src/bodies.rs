@@ -29,6 +29,8 @@ columns! {
         softening: Real = Label::checkpoint("Softenings", Dimension::LENGTH, "softening length of gravity"),
         /// a [`Kind`]
         kind: Short = Label::checkpoint("Kinds", Dimension::NONE, "0 planetesimal, 1 planet, 2 star"),
+        /// smoothing length of the gas around; zero if unknown
+        h: Real = Label::checkpoint("SmoothingLengths", Dimension::LENGTH, "smoothing length of the gas around"),
         /// gravitational potential when last reported
         potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential"),
         /// acceleration at the last kick, without the star's pull

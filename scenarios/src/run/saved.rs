@@ -43,7 +43,7 @@ pub fn write(path: &Path, system: &System, watch: &Stopwatch, rows: [u64; 2]) ->
     sums.extend(ledger.spin.as_slice());
     sums.extend(totals_reals(&ledger.given_away));
     draft.fact("ledger sums", Fact::Reals(sums));
-    draft.fact("floors", Fact::Integer(ledger.floors));
+    draft.fact("floors", Fact::Integers(vec![ledger.floors, ledger.lopsided]));
     draft.fact("operators", Fact::Text(ledger.entries.iter().map(|e| e.operator.as_str()).collect::<Vec<_>>().join("\n")));
     draft.fact("operators' changes", Fact::Reals(ledger.entries.iter().flat_map(|e| census_reals(&e.change)).collect()));
     draft.fact("rows", Fact::Integers(rows.to_vec()));
@@ -91,7 +91,8 @@ fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> 
     ledger.accreted = [sums[3], sums[4], sums[5]];
     ledger.spin = Vec3::new(sums[6], sums[7], sums[8]);
     ledger.given_away = totals_of(&sums[9..]);
-    ledger.floors = file.integer("floors")?;
+    let uses = file.integers("floors")?;
+    (ledger.floors, ledger.lopsided) = (uses[0], uses[1]);
     let changes = file.reals("operators' changes")?;
     let names = file.text("operators")?;
     let names = names.lines().zip(changes.chunks(4 * TOTALS));

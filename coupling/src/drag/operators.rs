@@ -1,0 +1,163 @@
+//! Drag as operators of a step: of dust in gas, and of bodies in gas.
+
+use gas::Hydro;
+use gas::probe::Reach;
+use nbody::points::{Fault, Vec3};
+
+use super::{BodiesInGas, Booking, Exchange, Grains, Half, Settings, Star, StoppingLaw};
+use crate::System;
+use crate::operator::{Meter, Operator, Phase};
+
+/// Immersed particles look for gas within this many of the largest smoothing lengths of the gas.
+const FARTHEST: f64 = 2.0;
+
+fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Exchange {
+    let reach = Reach { neighbours: hydro.neighbours, largest: 1.0 };
+    Exchange::new(Settings { feedback, ..Settings::new(law, reach) })
+}
+
+fn star(system: &System) -> Star {
+    let at = system.seen.star_x.first().copied();
+    at.map_or_else(Star::default, |x| Star { x, gm: system.g * system.star.m[0] })
+}
+
+/// Limits the search for gas to where gas is.
+fn limit(exchange: &mut Exchange, system: &System) {
+    let largest = system.gas.particles.h.iter().copied().fold(0.0, f64::max);
+    exchange.settings.reach.largest = FARTHEST * largest;
+}
+
+/// Books what an exchange did beyond moving momentum between populations.
+fn book(system: &mut System, booking: &Booking, feedback: bool) {
+    system.ledger.radiated += booking.radiated;
+    if !feedback {
+        let lost = &mut system.ledger.given_away;
+        lost.momentum += booking.gas.momentum;
+        lost.angular_momentum += booking.gas.angular_momentum;
+        lost.kinetic += booking.gas.kinetic;
+    }
+    system.ledger.lopsided += booking.plain as u64;
+}
+
+/// Drag between dust and gas.
+pub struct DustDrag {
+    exchange: Exchange,
+    active: Vec<u32>,
+    steps: Vec<f64>,
+}
+
+impl DustDrag {
+    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Self {
+        Self { exchange: exchange(law, hydro, feedback), active: Vec::new(), steps: Vec::new() }
+    }
+
+    fn act(&mut self, system: &mut System, half: Half, step: impl Fn(&System, usize) -> f64) {
+        self.steps.clear();
+        self.steps.extend(self.active.iter().map(|&i| step(system, i as usize)));
+        let star = star(system);
+        let mut grains = Grains { dust: &mut system.dust, star };
+        let booking = self.exchange.exchange(&mut system.gas, &mut grains, &self.steps, half);
+        book(system, &booking, self.exchange.settings.feedback);
+    }
+}
+
+impl Operator for DustDrag {
+    fn name(&self) -> &'static str {
+        "drag dust"
+    }
+
+    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        meter.enter(Phase::Drag);
+        self.active.clear();
+        let ends = &system.dust.particles.end;
+        self.active.extend((0..ends.len()).filter(|&i| system.active(ends[i])).map(|i| i as u32));
+        limit(&mut self.exchange, system);
+        let star = star(system);
+        let mut grains = Grains { dust: &mut system.dust, star };
+        self.exchange.prepare(&system.gas, &mut grains, &self.active, &system.domain);
+        meter.count(self.active.len(), 0);
+        Ok(())
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Drag);
+        self.act(system, Half::Closing, |s, i| s.closing(s.dust.particles.begin[i], s.dust.particles.span[i]));
+        Ok(true)
+    }
+
+    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Drag);
+        self.act(system, Half::Opening, |s, i| s.opening(s.dust.rates.next_span[i]));
+        Ok(true)
+    }
+}
+
+/// Drag between bodies and gas, at the bodies' ticks.
+pub struct BodyDrag {
+    exchange: Exchange,
+    active: Vec<u32>,
+    steps: Vec<f64>,
+}
+
+impl BodyDrag {
+    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Self {
+        Self { exchange: exchange(law, hydro, feedback), active: Vec::new(), steps: Vec::new() }
+    }
+
+    fn act(&mut self, system: &mut System, half: Half, step: f64) {
+        self.steps.clear();
+        self.steps.resize(self.active.len(), step);
+        let star = star(system);
+        let mut h = std::mem::take(&mut system.bodies.h);
+        let mut bodies = BodiesInGas { bodies: &mut system.bodies, h: &mut h, star };
+        let booking = self.exchange.exchange(&mut system.gas, &mut bodies, &self.steps, half);
+        system.bodies.h = h;
+        book(system, &booking, self.exchange.settings.feedback);
+        system.look();
+    }
+}
+
+impl Operator for BodyDrag {
+    fn name(&self) -> &'static str {
+        "drag bodies"
+    }
+
+    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        if !system.bodies_active() {
+            return Ok(());
+        }
+        meter.enter(Phase::Drag);
+        self.active.clear();
+        self.active.extend(0..system.bodies.x.len() as u32);
+        limit(&mut self.exchange, system);
+        // Neighbours in the list are to be neighbours in space.
+        let x: &[Vec3] = &system.bodies.x;
+        let cube = nbody::points::sort::Cube::around(x);
+        self.active.sort_by_cached_key(|&i| cube.key(x[i as usize]));
+        let star = star(system);
+        let mut h = std::mem::take(&mut system.bodies.h);
+        let mut bodies = BodiesInGas { bodies: &mut system.bodies, h: &mut h, star };
+        self.exchange.prepare(&system.gas, &mut bodies, &self.active, &system.domain);
+        system.bodies.h = h;
+        meter.count(self.active.len(), 0);
+        Ok(())
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Drag);
+        let active = system.bodies_active();
+        if active {
+            self.act(system, Half::Closing, system.closing(system.pace.begin, system.pace.span));
+        }
+        Ok(active)
+    }
+
+    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Drag);
+        let active = system.bodies_active();
+        if active {
+            self.act(system, Half::Opening, system.opening(system.pace.next_span));
+        }
+        Ok(active)
+    }
+}
