@@ -1,26 +1,31 @@
 //! Density: the smoothing length that encloses the wanted number of neighbours, and the sums over them.
 //!
-//! V_d H^d n_i = neighbours,   n_i = sum_j W(r_ij, H_i),   rho_i = sum_j m_j W(r_ij, H_i)
+//! V_d H^d n_i = neighbours,   n_i = sum_j W(r_ij, H_i),   rho_i = sum_j m_j W(r_ij, H_i) - e m_i W(0, H_i)
 //! g_i = (S_m - d sum m_j w) / S,   S = -sum q dw/dq,   S_m = -sum m_j q dw/dq;   grad_h = g_i / m_i
 //! div v = -1/rho_i sum_j (m_j - g_i) v_ij.grad W,   curl v likewise
 //!
-//! Where h stands at its bound for want of particles it does not follow them, and g = 0.
-//! Sources: Springel & Hernquist (2002); Hopkins (2013), eq. 12 for the number-density constraint.
+//! e corrects the density for what the particle itself counts too much; the force follows from it all the same. Where h stands at its bound for want of particles it does not follow them, and g = 0.
+//! Sources: Springel & Hernquist (2002); Hopkins (2013), eq. 12 for the number-density constraint;
+//! Dehnen & Aly (2012) for e.
 
 use std::cell::RefCell;
 use std::ops::Range;
 
+use fearless_simd::{Level, dispatch};
 use nbody::points::sum::{CHUNK, Parts};
 use nbody::points::{Clock, Fault, Population, Tree, Vec3};
 use rayon::prelude::*;
 
 use crate::kernel::unit_sphere;
-use crate::neighbours::{Candidates, List, Search, bounding};
+use crate::neighbours::{Candidates, LANES, Lanes, List, Search, bounding, total};
 use crate::viscosity::Flow;
 use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, WendlandC2};
 
 /// How much farther than the predicted support a search goes, so that the solution lies inside.
 const SLACK: f64 = 1.04;
+
+/// A distance that no two particles apart have; keeps coincident ones from dividing by zero.
+const TINY: f64 = 1e-150;
 
 /// The solver for H gives up after this many evaluations.
 const TRIES: usize = 100;
@@ -80,6 +85,7 @@ impl Gas {
             u: &self.rates.u_pred,
             largest: hydro.largest_reach(extent),
             law: Law::new::<K>(hydro),
+            level: Level::new(),
         };
         let tally = (self.tree.leaves.par_iter())
             .map(|&leaf| {
@@ -123,7 +129,7 @@ impl Tally {
 struct Buffers {
     candidates: Candidates,
     list: List,
-    r: Vec<f64>,
+    r: Vec<Lanes>,
     pending: Vec<Target>,
 }
 
@@ -186,6 +192,7 @@ struct Sweep<'a> {
     /// The largest H.
     largest: f64,
     law: Law,
+    level: Level,
 }
 
 impl Sweep<'_> {
@@ -209,19 +216,21 @@ impl Sweep<'_> {
             };
             let span = bounding(pending.iter().map(|t| self.x[t.i]));
             buffers.candidates.gather(&search, span, |_| 0.0);
-            pending.retain_mut(|target| match self.solve::<K>(target, buffers) {
-                Outcome::Done(local) => {
-                    self.write(target.i, &local, out);
-                    false
-                }
-                Outcome::Wider(radius) => {
-                    target.radius = radius;
-                    true
-                }
-                Outcome::Failed(reach) => {
-                    let failed = Some((target.i, reach));
-                    tally = tally.and(Tally { targets: 0, failed });
-                    false
+            pending.retain_mut(|target| {
+                match dispatch!(self.level, _simd => self.solve::<K>(target, buffers)) {
+                    Outcome::Done(local) => {
+                        self.write(target.i, &local, out);
+                        false
+                    }
+                    Outcome::Wider(radius) => {
+                        target.radius = radius;
+                        true
+                    }
+                    Outcome::Failed(reach) => {
+                        let failed = Some((target.i, reach));
+                        tally = tally.and(Tally { targets: 0, failed });
+                        false
+                    }
                 }
             });
         }
@@ -247,6 +256,7 @@ impl Sweep<'_> {
         Target { i, start, radius }
     }
 
+    #[inline(always)]
     fn solve<K: Kernel>(&self, target: &mut Target, buffers: &mut Buffers) -> Outcome {
         let Buffers {
             candidates,
@@ -255,11 +265,11 @@ impl Sweep<'_> {
             ..
         } = buffers;
         let place = candidates.place(self.x[target.i]);
-        let limit = target.radius * target.radius;
         // A hair more, so that what lies on the radius counts when H does.
-        candidates.list(place, |_| limit * (1.0 + 1e-14), list);
+        let limit = target.radius * target.radius * (1.0 + 1e-14);
+        candidates.list(place, limit, &[], list);
         r.clear();
-        r.extend(list.r2().iter().map(|r2| r2.sqrt()));
+        r.extend(list.r2().iter().map(|r2| r2.map(f64::sqrt)));
         match self.law.solve::<K>(r, target.start, target.radius) {
             Trial::Found(reach) => Outcome::Done(self.sums::<K>(target.i, (reach, true), buffers)),
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
@@ -276,58 +286,98 @@ impl Sweep<'_> {
     }
 
     /// The sums over the listed neighbours of particle i at support H = `reach`; `free` says whether H follows the particles.
+    #[inline(always)]
     fn sums<K: Kernel>(&self, i: usize, (reach, free): (f64, bool), buffers: &Buffers) -> Local {
-        let Buffers {
-            candidates,
-            list,
-            r,
-            ..
-        } = buffers;
-        let (place, v, cs) = (candidates.place(self.x[i]), self.v[i], self.cs[i]);
-        let inverse = 1.0 / reach;
-        let mut sum = Sums::default();
-        for (&k, &r) in list.numbers().iter().zip(r) {
-            let q = r * inverse;
-            if q >= 1.0 {
-                continue;
-            }
-            let j = candidates.index[k as usize] as usize;
-            let d = candidates.separation(place, k as usize);
-            let dv = self.v[j] - v;
-            let approach = dv.x * d[0] + dv.y * d[1] + dv.z * d[2];
-            sum.pair(K::value(q), K::slope(q), q, self.m[j]);
-            sum.flow(K::slope(q), self.m[j], approach, dv.cross(&Vec3::from(d)));
-            let speed = cs + self.cs[j];
-            sum.v_sig = (sum.v_sig).max(if approach < 0.0 {
-                speed - 3.0 * approach / r
-            } else {
-                speed
-            });
-            if j != i && self.span[j] > 0 {
-                sum.near_span = sum.near_span.min(self.span[j]);
+        let place = buffers.candidates.place(self.x[i]);
+        let (inverse, cs) = (1.0 / reach, self.cs[i]);
+        let mut sums = Sums::default();
+        for (numbers, r) in buffers.list.numbers().iter().zip(&buffers.r) {
+            let block = self.block(i, place, numbers, &buffers.candidates);
+            for l in 0..LANES {
+                let q = (r[l] * inverse).min(1.0);
+                let (slope, m) = (K::slope(q), block.m[l]);
+                let d = [block.d[0][l], block.d[1][l], block.d[2][l]];
+                let dv = [block.dv[0][l], block.dv[1][l], block.dv[2][l]];
+                let approach = dv[0] * d[0] + dv[1] * d[1] + dv[2] * d[2];
+                sums.mass[l] += m * K::value(q);
+                sums.slope[l] -= q * q * slope;
+                sums.mass_slope[l] -= m * q * q * slope;
+                sums.div[l] += slope * approach;
+                sums.mass_div[l] += m * slope * approach;
+                for a in 0..3 {
+                    let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                    let turn = slope * (dv[b] * d[c] - dv[c] * d[b]);
+                    sums.curl[a][l] += turn;
+                    sums.mass_curl[a][l] += m * turn;
+                }
+                let towards = cs + block.cs[l] - 3.0 * approach.min(0.0) / r[l].max(TINY);
+                let (speed, span) = if q < 1.0 {
+                    (towards, block.span[l])
+                } else {
+                    (0.0, f64::INFINITY)
+                };
+                sums.v_sig[l] = sums.v_sig[l].max(speed);
+                sums.near_span[l] = sums.near_span[l].min(span);
             }
         }
-        self.local(i, (reach, free), &sum)
+        self.local(i, (reach, free), &sums)
+    }
+
+    #[inline(always)]
+    fn block(
+        &self,
+        i: usize,
+        place: [f64; 3],
+        numbers: &[u32; LANES],
+        candidates: &Candidates,
+    ) -> Block {
+        let mut block = Block::default();
+        let v = self.v[i];
+        for l in 0..LANES {
+            let k = numbers[l] as usize;
+            let j = candidates.index[k] as usize;
+            let (v_j, d) = (
+                self.v[j],
+                [candidates.x[k], candidates.y[k], candidates.z[k]],
+            );
+            for a in 0..3 {
+                block.d[a][l] = d[a] - place[a];
+                block.dv[a][l] = v_j[a] - v[a];
+            }
+            block.m[l] = self.m[j];
+            block.cs[l] = self.cs[j];
+            // Its own step does not limit a particle, nor do those before the first.
+            let span = self.span[j];
+            block.span[l] = if j == i || span == 0 {
+                f64::INFINITY
+            } else {
+                f64::from(span)
+            };
+        }
+        block
     }
 
     fn local(&self, i: usize, (reach, free): (f64, bool), sum: &Sums) -> Local {
         let d = self.law.d;
+        let mass = total(sum.mass) - self.law.excess * self.m[i];
         let g = if free {
-            (sum.mass_slope - d * sum.mass) / sum.slope
+            (total(sum.mass_slope) - d * mass) / total(sum.slope)
         } else {
             0.0
         };
         let volume = reach.powi(self.hydro.dimensions() as i32);
-        let rho = self.law.norm / volume * sum.mass;
+        let rho = self.law.norm / volume * mass;
         let scale = self.law.norm / (volume * reach * reach * rho);
+        let curl = |a: usize| total(sum.mass_curl[a]) - g * total(sum.curl[a]);
         Local {
             h: reach / self.hydro.support(),
             rho,
             grad_h: g / self.m[i],
-            div_v: -scale * (sum.mass_div - g * sum.div),
-            curl_v: scale * (sum.mass_curl - g * sum.curl).norm(),
-            v_sig: sum.v_sig,
-            near_span: sum.near_span,
+            div_v: -scale * (total(sum.mass_div) - g * total(sum.div)),
+            curl_v: scale * Vec3::from_fn(|a, _| curl(a)).norm(),
+            v_sig: sum.v_sig.into_iter().fold(0.0, f64::max),
+            // Infinite without neighbours: the cast saturates.
+            near_span: sum.near_span.into_iter().fold(f64::INFINITY, f64::min) as u32,
         }
     }
 
@@ -354,49 +404,43 @@ impl Sweep<'_> {
     }
 }
 
+/// Some neighbours: separations, relative velocities and what else a sum needs.
+#[derive(Default)]
+struct Block {
+    d: [Lanes; 3],
+    dv: [Lanes; 3],
+    m: Lanes,
+    cs: Lanes,
+    span: Lanes,
+}
+
+/// Sums over neighbours, without and with their masses.
 struct Sums {
-    mass: f64,
-    slope: f64,
-    mass_slope: f64,
-    div: f64,
-    mass_div: f64,
-    curl: Vec3,
-    mass_curl: Vec3,
-    v_sig: f64,
-    near_span: u32,
+    mass: Lanes,
+    slope: Lanes,
+    mass_slope: Lanes,
+    div: Lanes,
+    mass_div: Lanes,
+    curl: [Lanes; 3],
+    mass_curl: [Lanes; 3],
+    v_sig: Lanes,
+    near_span: Lanes,
 }
 
 impl Default for Sums {
     fn default() -> Self {
+        const ZERO: Lanes = [0.0; LANES];
         Self {
-            mass: 0.0,
-            slope: 0.0,
-            mass_slope: 0.0,
-            div: 0.0,
-            mass_div: 0.0,
-            curl: Vec3::zeros(),
-            mass_curl: Vec3::zeros(),
-            v_sig: 0.0,
-            near_span: u32::MAX,
+            mass: ZERO,
+            slope: ZERO,
+            mass_slope: ZERO,
+            div: ZERO,
+            mass_div: ZERO,
+            curl: [ZERO; 3],
+            mass_curl: [ZERO; 3],
+            v_sig: ZERO,
+            near_span: [f64::INFINITY; LANES],
         }
-    }
-}
-
-impl Sums {
-    #[inline(always)]
-    fn pair(&mut self, w: f64, slope: f64, q: f64, m: f64) {
-        let fall = -q * q * slope;
-        self.mass += m * w;
-        self.slope += fall;
-        self.mass_slope += m * fall;
-    }
-
-    #[inline(always)]
-    fn flow(&mut self, slope: f64, m: f64, approach: f64, turn: Vec3) {
-        self.div += slope * approach;
-        self.mass_div += m * slope * approach;
-        self.curl += slope * turn;
-        self.mass_curl += m * slope * turn;
     }
 }
 
@@ -409,6 +453,8 @@ struct Law {
     norm: f64,
     /// Neighbour number by the sum of kernel values.
     weight: f64,
+    /// What the particle itself counts too much in its density, a mass.
+    excess: f64,
 }
 
 /// What became of the search for H within a radius.
@@ -433,19 +479,26 @@ impl Law {
             tolerance: hydro.tolerance,
             norm: K::norm(d),
             weight,
+            excess: K::self_excess(hydro.neighbours, d) * K::value(0.0),
         }
     }
 
     /// Newton's method in ln H for ln of the neighbour number, kept between bounds; the number grows with H.
-    fn solve<K: Kernel>(&self, r: &[f64], start: f64, radius: f64) -> Trial {
+    #[inline(always)]
+    fn solve<K: Kernel>(&self, r: &[Lanes], start: f64, radius: f64) -> Trial {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut reach = start.min(radius);
         for _ in 0..TRIES {
             let inverse = 1.0 / reach;
-            let (value, slope) = r.iter().fold((0.0, 0.0), |(value, slope), r| {
-                let q = (r * inverse).min(1.0);
-                (value + K::value(q), slope - q * q * K::slope(q))
-            });
+            let (mut value, mut slope) = ([0.0; LANES], [0.0; LANES]);
+            for r in r {
+                for l in 0..LANES {
+                    let q = (r[l] * inverse).min(1.0);
+                    value[l] += K::value(q);
+                    slope[l] -= q * q * K::slope(q);
+                }
+            }
+            let (value, slope) = (total(value), total(slope));
             let number = self.weight * value;
             let excess = (number / self.wanted).ln();
             if excess >= 0.0 {

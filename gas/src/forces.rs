@@ -10,11 +10,12 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
+use fearless_simd::{Level, dispatch};
 use nbody::points::sum::Parts;
 use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
-use crate::neighbours::{Candidates, List, Search, bounding};
+use crate::neighbours::{Candidates, FAR, LANES, Lanes, List, Search, bounding, total};
 use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, WendlandC2};
 
 /// A tick that never comes.
@@ -62,6 +63,7 @@ impl Gas {
             norm: K::norm(d),
             power: d as i32 + 2,
             beta_ratio: hydro.viscosity.ratio(),
+            level: Level::new(),
         };
         (self.tree.leaves.par_iter())
             .map(|&leaf| {
@@ -76,6 +78,8 @@ impl Gas {
 struct Buffers {
     candidates: Candidates,
     sources: Vec<Source>,
+    /// H^2 of the candidates.
+    reach2: Vec<f64>,
     list: List,
 }
 
@@ -119,19 +123,34 @@ struct Source {
     active: bool,
 }
 
-/// The force of a pair on its first member: `pull` times the separation; and the heat that stays with the first member, a time.
-struct Flux {
-    pull: f64,
-    heat: f64,
+/// Some neighbours: separations, relative velocities and what else a pair needs, as in [`Source`].
+#[derive(Default)]
+struct Block {
+    d: [Lanes; 3],
+    dv: [Lanes; 3],
+    m: Lanes,
+    g: Lanes,
+    h: Lanes,
+    inverse: Lanes,
+    slope: Lanes,
+    push: Lanes,
+    rho: Lanes,
+    cs: Lanes,
+    alpha: Lanes,
+    age: Lanes,
+    span: Lanes,
+    next_span: Lanes,
+    /// One where the pair has an active member, else zero.
+    acts: Lanes,
 }
 
-/// What a particle gets, times its mass.
+/// What a particle gets, times its mass: as a rate, closing and opening.
 #[derive(Default)]
 struct Sums {
-    force: [Vec3; 3],
-    heat: [f64; 3],
-    pairs: usize,
-    near: u32,
+    force: [[Lanes; 3]; 3],
+    heat: [Lanes; 3],
+    /// The shortest next step of those that it meets, in ticks; infinite if it meets nobody.
+    near: Lanes,
 }
 
 struct Sweep<'a> {
@@ -149,6 +168,7 @@ struct Sweep<'a> {
     norm: f64,
     power: i32,
     beta_ratio: f64,
+    level: Level,
 }
 
 impl Sweep<'_> {
@@ -157,9 +177,9 @@ impl Sweep<'_> {
         self.gather(leaf, range.clone(), buffers);
         range
             .map(|i| {
-                let sums = self.target::<K>(i, buffers);
+                let sums: Sums = dispatch!(self.level, _simd => self.target::<K>(i, buffers));
                 self.write(i, &sums, out);
-                usize::from(sums.pairs > 0)
+                usize::from(sums.nearest().is_finite())
             })
             .sum()
     }
@@ -217,109 +237,127 @@ impl Sweep<'_> {
         }
     }
 
+    #[inline(always)]
     fn target<K: Kernel>(&self, i: usize, buffers: &mut Buffers) -> Sums {
         let Buffers {
             candidates,
             sources,
+            reach2,
             list,
         } = buffers;
         let own = self.source(i);
         let place = candidates.place(self.particles.x[i]);
-        let limit = |k: usize| {
-            let source: &Source = &sources[k];
-            if own.active || source.active {
-                own.reach2.max(source.reach2)
-            } else {
-                -1.0
-            }
-        };
-        candidates.list(place, limit, list);
+        candidates.list(place, own.reach2, reach2, list);
         let mut sums = Sums {
-            near: NEVER,
+            near: [f64::INFINITY; LANES],
             ..Sums::default()
         };
-        for (&k, &r2) in list.numbers().iter().zip(list.r2()) {
-            let source = &sources[k as usize];
-            let d = candidates.separation(place, k as usize);
-            let flux = self.flux::<K>(&own, source, d, r2);
-            sums.add(flux, Vec3::from(d), weights(&own, source));
-            sums.near = sums
-                .near
-                .min(self.next_span[candidates.index[k as usize] as usize]);
+        for (numbers, r2) in list.numbers().iter().zip(list.r2()) {
+            let block = block(&own, place, numbers, candidates, sources);
+            for l in 0..LANES {
+                let [pull, heat] = self.flux::<K>(&own, &block, r2[l], l);
+                // The later begin of a pair is the lesser age.
+                let closing = own.age.min(block.age[l]) - 0.5 * own.span.min(block.span[l]);
+                let opening = 0.5 * own.next_span.min(block.next_span[l]);
+                for (n, weight) in [1.0, closing, opening].into_iter().enumerate() {
+                    for a in 0..3 {
+                        sums.force[n][a][l] += weight * (pull * block.d[a][l]);
+                    }
+                    sums.heat[n][l] += weight * heat;
+                }
+                let meets = block.acts[l] > 0.0 && r2[l] < FAR;
+                let near = if meets {
+                    block.next_span[l]
+                } else {
+                    f64::INFINITY
+                };
+                sums.near[l] = sums.near[l].min(near);
+            }
         }
         sums
     }
 
+    /// The force of a pair on its first member by the separation, and the heat that stays with the first member, a time.
     #[inline(always)]
-    fn flux<K: Kernel>(&self, a: &Source, b: &Source, d: [f64; 3], r2: f64) -> Flux {
+    fn flux<K: Kernel>(&self, a: &Source, b: &Block, r2: f64, l: usize) -> [f64; 2] {
         let r = r2.sqrt();
-        let (slope_a, slope_b) = (K::slope(r * a.inverse), K::slope(r * b.inverse));
-        let approach =
-            (b.v[0] - a.v[0]) * d[0] + (b.v[1] - a.v[1]) * d[1] + (b.v[2] - a.v[2]) * d[2];
-        let pressure_a = a.m * (b.m - a.g) * a.push * slope_a;
-        let pressure_b = b.m * (a.m - b.g) * b.push * slope_b;
-        let viscous = if approach < 0.0 {
-            let h = 0.5 * (a.h + b.h);
-            let mu = h * approach / (r2 + 0.01 * h * h);
-            let alpha = 0.5 * (a.alpha + b.alpha);
-            let strength = alpha * mu * (self.beta_ratio * mu - 0.5 * (a.cs + b.cs));
-            let slope = 0.5 * (a.slope * slope_a + b.slope * slope_b);
-            a.m * b.m * slope * strength / (0.5 * (a.rho + b.rho))
-        } else {
-            0.0
-        };
-        Flux {
-            pull: pressure_a + pressure_b + viscous,
-            heat: (pressure_a + 0.5 * viscous) * approach,
-        }
+        let slope_a = K::slope((r * a.inverse).min(1.0));
+        let slope_b = K::slope((r * b.inverse[l]).min(1.0));
+        let approach = b.dv[0][l] * b.d[0][l] + b.dv[1][l] * b.d[1][l] + b.dv[2][l] * b.d[2][l];
+        let pressure_a = a.m * (b.m[l] - a.g) * a.push * slope_a;
+        let pressure_b = b.m[l] * (a.m - b.g[l]) * b.push[l] * slope_b;
+        let h = 0.5 * (a.h + b.h[l]);
+        let mu = h * approach.min(0.0) / (r2 + 0.01 * h * h);
+        let alpha = 0.5 * (a.alpha + b.alpha[l]);
+        let strength = alpha * mu * (self.beta_ratio * mu - 0.5 * (a.cs + b.cs[l]));
+        let slope = 0.5 * (a.slope * slope_a + b.slope[l] * slope_b);
+        let viscous = a.m * b.m[l] * slope * strength / (0.5 * (a.rho + b.rho[l]));
+        [
+            b.acts[l] * (pressure_a + pressure_b + viscous),
+            b.acts[l] * ((pressure_a + 0.5 * viscous) * approach),
+        ]
     }
 
     fn write(&self, i: usize, sums: &Sums, out: &Out) {
         let by_mass = 1.0 / self.particles.m[i];
         let closing = by_mass * self.clock.unit();
         let opening = by_mass * self.next.unit();
-        let span = self.next_span[i];
-        let wake = if sums.near < span / 4 {
-            self.next.waking(4 * sums.near)
+        let (near, span) = (sums.nearest(), self.next_span[i]);
+        let wake = if near < f64::from(span / 4) {
+            self.next.waking(4 * near as u32)
         } else {
             NEVER
         };
+        let force = |n: usize| Vec3::from_fn(|a, _| total(sums.force[n][a]));
+        let heat = |n: usize| total(sums.heat[n]);
         let own = i..i + 1;
         // SAFETY: a leaf's task alone touches the leaf's particles.
         unsafe {
             if self.active(i) {
-                out.hydro.part(own.clone())[0] = by_mass * sums.force[0];
-                out.du.part(own.clone())[0] = by_mass * sums.heat[0];
+                out.hydro.part(own.clone())[0] = by_mass * force(0);
+                out.du.part(own.clone())[0] = by_mass * heat(0);
             }
-            out.dv_close.part(own.clone())[0] = closing * sums.force[1];
-            out.dv_open.part(own.clone())[0] = opening * sums.force[2];
-            out.du_close.part(own.clone())[0] = closing * sums.heat[1];
-            out.du_open.part(own.clone())[0] = opening * sums.heat[2];
+            out.dv_close.part(own.clone())[0] = closing * force(1);
+            out.dv_open.part(own.clone())[0] = opening * force(2);
+            out.du_close.part(own.clone())[0] = closing * heat(1);
+            out.du_open.part(own.clone())[0] = opening * heat(2);
             out.wake.part(own)[0] = wake;
         }
     }
 }
 
-/// Weights in ticks with which a pair closes its step and opens the next.
-#[inline(always)]
-fn weights(a: &Source, b: &Source) -> [f64; 2] {
-    // As clock::closing and clock::opening: the later begin is the lesser age.
-    let closing = a.age.min(b.age) - 0.5 * a.span.min(b.span);
-    [closing, 0.5 * a.next_span.min(b.next_span)]
+impl Sums {
+    fn nearest(&self) -> f64 {
+        self.near.into_iter().fold(f64::INFINITY, f64::min)
+    }
 }
 
-impl Sums {
-    #[inline(always)]
-    fn add(&mut self, flux: Flux, d: Vec3, [closing, opening]: [f64; 2]) {
-        let force = flux.pull * d;
-        self.force[0] += force;
-        self.force[1] += closing * force;
-        self.force[2] += opening * force;
-        self.heat[0] += flux.heat;
-        self.heat[1] += closing * flux.heat;
-        self.heat[2] += opening * flux.heat;
-        self.pairs += 1;
+#[inline(always)]
+fn block(
+    own: &Source,
+    place: [f64; 3],
+    numbers: &[u32; LANES],
+    candidates: &Candidates,
+    sources: &[Source],
+) -> Block {
+    let mut block = Block::default();
+    for l in 0..LANES {
+        let k = numbers[l] as usize;
+        let (s, d) = (
+            &sources[k],
+            [candidates.x[k], candidates.y[k], candidates.z[k]],
+        );
+        for a in 0..3 {
+            block.d[a][l] = d[a] - place[a];
+            block.dv[a][l] = s.v[a] - own.v[a];
+        }
+        (block.m[l], block.g[l], block.h[l]) = (s.m, s.g, s.h);
+        (block.inverse[l], block.slope[l], block.push[l]) = (s.inverse, s.slope, s.push);
+        (block.rho[l], block.cs[l], block.alpha[l]) = (s.rho, s.cs, s.alpha);
+        (block.age[l], block.span[l], block.next_span[l]) = (s.age, s.span, s.next_span);
+        block.acts[l] = f64::from(u8::from(own.active || s.active));
     }
+    block
 }
 
 #[cfg(test)]

@@ -19,6 +19,11 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     /// (dw/dq) / q, not normalised; finite at q = 0.
     fn slope(q: f64) -> f64;
 
+    /// The part of its own W(0, H) that a particle counts too much in its density, at this neighbour number.
+    fn self_excess(_neighbours: f64, _dimensions: usize) -> f64 {
+        0.0
+    }
+
     /// W(r, H).
     fn w(r: f64, reach: f64, dimensions: usize) -> f64 {
         Self::norm(dimensions) / reach.powi(dimensions as i32) * Self::value(r / reach)
@@ -53,12 +58,10 @@ impl Kernel for CubicSpline {
 
     #[inline(always)]
     fn slope(q: f64) -> f64 {
-        if q < 0.5 {
-            9.0 * q - 6.0
-        } else {
-            let outer = (1.0 - q).max(0.0);
-            -3.0 * outer * outer / q
-        }
+        let outer = (1.0 - q).max(0.0);
+        let inner = (0.5 - q).max(0.0);
+        // Both squares cancel at the centre, where the slope is -6; kept off zero, it comes out to 1e-8 there.
+        (12.0 * inner * inner - 3.0 * outer * outer) / q.max(1e-8)
     }
 }
 
@@ -73,6 +76,11 @@ impl Kernel for WendlandC2 {
 
     fn norm(dimensions: usize) -> f64 {
         by_dimension(dimensions, 7.0 / PI, 10.5 / PI)
+    }
+
+    /// Dehnen & Aly (2012), eq. 18 and table 2, in three dimensions.
+    fn self_excess(neighbours: f64, dimensions: usize) -> f64 {
+        by_dimension(dimensions, 0.0, 0.0294 * (0.01 * neighbours).powf(-0.977))
     }
 
     #[inline(always)]

@@ -82,51 +82,95 @@ impl Candidates {
         (x - self.origin).component_mul(&self.axes).into()
     }
 
-    /// Separation of candidate k from the target at `place`.
+    /// Lists the candidates k with r^2 < max(`reach2`, own[k]) about the target at `place`; `own` is a value a candidate, or empty.
+    ///
+    /// The list is filled up to a multiple of [`LANES`] with candidates at the distance [`FAR`].
     #[inline(always)]
-    pub fn separation(&self, place: [f64; 3], k: usize) -> [f64; 3] {
-        [
-            self.x[k] - place[0],
-            self.y[k] - place[1],
-            self.z[k] - place[2],
-        ]
-    }
-
-    /// Lists the candidates k with r^2 < `limit(k)` about the target at `place`.
-    #[inline(always)]
-    pub fn list(&self, place: [f64; 3], limit: impl Fn(usize) -> f64, list: &mut List) {
+    pub fn list(&self, place: [f64; 3], reach2: f64, own: &[f64], list: &mut List) {
         let n = self.len();
-        list.number.resize(n.max(list.number.len()), 0);
-        list.r2.resize(n.max(list.r2.len()), 0.0);
+        let room = n + LANES;
+        if list.number.len() < room {
+            list.number.resize(room, 0);
+            list.r2.resize(room, 0.0);
+            list.all.resize(room, 0.0);
+            list.limit.resize(room, 0.0);
+        }
         let (x, y, z) = (&self.x[..n], &self.y[..n], &self.z[..n]);
-        let mut count = 0;
+        let all = &mut list.all[..n];
         for k in 0..n {
             let (dx, dy, dz) = (x[k] - place[0], y[k] - place[1], z[k] - place[2]);
-            let r2 = dx * dx + dy * dy + dz * dz;
-            list.number[count] = k as u32;
-            list.r2[count] = r2;
-            count += usize::from(r2 < limit(k));
+            all[k] = dx * dx + dy * dy + dz * dz;
         }
+        let limit = &mut list.limit[..n];
+        if own.is_empty() {
+            limit.fill(reach2);
+        } else {
+            let own = &own[..n];
+            for k in 0..n {
+                limit[k] = own[k].max(reach2);
+            }
+        }
+        let (number, r2) = (&mut list.number[..room], &mut list.r2[..room]);
+        let mut count = 0;
+        for k in 0..n {
+            // Never past k: the list is no longer than what was tried.
+            number[count] = k as u32;
+            r2[count] = all[k];
+            count += usize::from(all[k] < limit[k]);
+        }
+        number[count..count + LANES].fill(0);
+        r2[count..count + LANES].fill(FAR * FAR);
         list.count = count;
     }
 }
+
+/// Pairs that are worked on together.
+pub const LANES: usize = 8;
+
+/// The distance of what fills up a list: beyond any kernel.
+pub const FAR: f64 = 1e100;
 
 /// The neighbours of one target.
 #[derive(Debug, Default)]
 pub struct List {
     number: Vec<u32>,
     r2: Vec<f64>,
+    all: Vec<f64>,
+    limit: Vec<f64>,
     count: usize,
 }
 
 impl List {
-    /// Numbers of the neighbours among the candidates.
-    pub fn numbers(&self) -> &[u32] {
-        &self.number[..self.count]
+    /// Number of neighbours.
+    pub fn len(&self) -> usize {
+        self.count
     }
 
-    /// Squares of the neighbours' distances.
-    pub fn r2(&self) -> &[f64] {
-        &self.r2[..self.count]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
     }
+
+    /// Numbers of the neighbours among the candidates, filled up.
+    #[inline(always)]
+    pub fn numbers(&self) -> &[[u32; LANES]] {
+        self.number[..self.count.next_multiple_of(LANES)]
+            .as_chunks()
+            .0
+    }
+
+    /// Squares of the neighbours' distances, filled up.
+    #[inline(always)]
+    pub fn r2(&self) -> &[[f64; LANES]] {
+        self.r2[..self.count.next_multiple_of(LANES)].as_chunks().0
+    }
+}
+
+/// One value a lane.
+pub type Lanes = [f64; LANES];
+
+/// The sum over the lanes.
+#[inline(always)]
+pub fn total(lanes: Lanes) -> f64 {
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
