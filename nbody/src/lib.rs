@@ -2,7 +2,9 @@
 //! planetesimals, their gravity, orbits, integrators and collisions.
 
 pub mod bodies;
+pub mod integrators;
 pub mod kepler;
+pub mod orbit;
 pub mod points;
 
 pub use bodies::{Bodies, Kind};
