@@ -67,6 +67,26 @@ pub fn drift(mu: f64, dt: f64, x: &mut Vec3, v: &mut Vec3) -> Result<(), Refusal
     }
 }
 
+/// Where an orbit with pericentre distance `q` and eccentricity `e` leads a time `t` after the pericentre: (x, y) and (vx, vy) in its
+/// plane, x towards the pericentre.
+pub(crate) fn from_pericentre(mu: f64, q: f64, e: f64, t: f64) -> ([f64; 2], [f64; 2]) {
+    assert!(mu > 0.0 && q > 0.0 && e >= 0.0, "an orbit about a mass");
+    let conic = Conic {
+        mu,
+        r0: q,
+        inverse: 1.0 / q,
+        eta: 0.0,
+        beta: mu * (1.0 - e) / q,
+    };
+    let [_, g1, g2] = conic.anomaly(t);
+    let h = (mu * q * (1.0 + e)).sqrt();
+    let r = q + e * mu * g2;
+    (
+        [q - mu * g2, h * g1],
+        [-mu * g1 / r, h * (1.0 - mu * g2 / r) / q],
+    )
+}
+
 fn straight(dt: f64, x: &mut Vec3, v: &Vec3) -> Result<(), Refusal> {
     let there = *x + *v * dt;
     if !there.norm_squared().is_finite() {

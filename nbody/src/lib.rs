@@ -3,7 +3,9 @@
 
 pub mod bodies;
 pub mod gravity;
+pub mod integrators;
 pub mod kepler;
+pub mod orbit;
 pub mod points;
 
 pub use bodies::{Bodies, Kind};
