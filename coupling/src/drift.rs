@@ -1,8 +1,8 @@
 //! Drifts: everybody moves to the next tick. Star and bodies move by their own integrator when their step ends there; before that
 //! they are seen through its prediction.
 
-use nbody::integrators::wisdom_holman;
-use nbody::points::Fault;
+use nbody::integrators::{Ahead, Stuck, wisdom_holman};
+use nbody::points::{Fault, Population};
 
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
@@ -69,8 +69,17 @@ impl Operator for DriftStraight {
     }
 }
 
+/// A body that its integrator cannot move.
+fn fault(system: &System, stuck: Stuck) -> Fault {
+    let id = system.bodies.id.get(stuck.place).copied().unwrap_or(0);
+    Fault::Stuck { population: Population::Planetesimals, id, reason: stuck.refusal.to_string(), time: system.clock.time() }
+}
+
 /// Moves star and bodies by the Kepler map of Wisdom & Holman (1991) in democratic heliocentric coordinates.
-pub struct DriftKepler;
+#[derive(Default)]
+pub struct DriftKepler {
+    ahead: Ahead,
+}
 
 impl Operator for DriftKepler {
     fn name(&self) -> &'static str {
@@ -82,12 +91,18 @@ impl Operator for DriftKepler {
         let dt = elapsed(system);
         meter.count(system.bodies.x.len(), 0);
         if system.bodies_active() {
-            wisdom_holman::drift(&mut system.star, &mut system.bodies, system.g, dt);
+            let moved = wisdom_holman::drift(&mut system.star, &mut system.bodies, system.g, dt);
+            moved.map_err(|stuck| fault(system, stuck))?;
             system.look();
             return Ok(true);
         }
+        let seen = wisdom_holman::predict(&system.star, &system.bodies, system.g, dt, &mut self.ahead);
+        seen.map_err(|stuck| fault(system, stuck))?;
         let seen = &mut system.seen;
-        wisdom_holman::predict(&system.star, &system.bodies, system.g, dt, seen);
+        seen.x.clone_from(&self.ahead.x);
+        seen.v.clone_from(&self.ahead.v);
+        seen.star_x.fill(self.ahead.x_star);
+        seen.star_v.fill(self.ahead.v_star);
         Ok(false)
     }
 }
