@@ -208,6 +208,9 @@ impl Sweep<'_> {
         buffers
             .sources
             .extend(index.iter().map(|&j| self.source(j as usize)));
+        buffers.reach2.clear();
+        let reach2 = buffers.sources.iter().map(|source| source.reach2);
+        buffers.reach2.extend(reach2);
     }
 
     fn active(&self, i: usize) -> bool {
@@ -254,8 +257,8 @@ impl Sweep<'_> {
         };
         for (numbers, r2) in list.numbers().iter().zip(list.r2()) {
             let block = block(&own, place, numbers, candidates, sources);
-            for l in 0..LANES {
-                let [pull, heat] = self.flux::<K>(&own, &block, r2[l], l);
+            for (l, &r2) in r2.iter().enumerate() {
+                let [pull, heat] = self.flux::<K>(&own, &block, r2, l);
                 // The later begin of a pair is the lesser age.
                 let closing = own.age.min(block.age[l]) - 0.5 * own.span.min(block.span[l]);
                 let opening = 0.5 * own.next_span.min(block.next_span[l]);
@@ -265,7 +268,7 @@ impl Sweep<'_> {
                     }
                     sums.heat[n][l] += weight * heat;
                 }
-                let meets = block.acts[l] > 0.0 && r2[l] < FAR;
+                let meets = block.acts[l] > 0.0 && r2 < FAR;
                 let near = if meets {
                     block.next_span[l]
                 } else {
@@ -341,8 +344,8 @@ fn block(
     sources: &[Source],
 ) -> Block {
     let mut block = Block::default();
-    for l in 0..LANES {
-        let k = numbers[l] as usize;
+    for (l, &k) in numbers.iter().enumerate() {
+        let k = k as usize;
         let (s, d) = (
             &sources[k],
             [candidates.x[k], candidates.y[k], candidates.z[k]],
