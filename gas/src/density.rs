@@ -272,7 +272,7 @@ impl Sweep<'_> {
         let place = candidates.place(self.x[target.i]);
         // A hair more, so that what lies on the radius counts when H does.
         let limit = target.radius * target.radius * (1.0 + 1e-14);
-        candidates.list(place, limit, &[], list);
+        candidates.list(simd, place, (limit, &[]), list);
         r.clear();
         r.extend(list.r2().iter().map(|r2| r2.map(f64::sqrt)));
         match self.law.solve::<K, S>(simd, r, target.start, target.radius) {

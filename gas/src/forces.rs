@@ -10,7 +10,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch};
 use nbody::points::sum::Parts;
 use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
@@ -177,7 +177,8 @@ impl Sweep<'_> {
         self.gather(leaf, range.clone(), buffers);
         range
             .map(|i| {
-                let sums: Sums = dispatch!(self.level, _simd => self.target::<K>(i, buffers));
+                let sums: Sums =
+                    dispatch!(self.level, simd => self.target::<K, _>(simd, i, buffers));
                 self.write(i, &sums, out);
                 usize::from(sums.nearest().is_finite())
             })
@@ -241,7 +242,7 @@ impl Sweep<'_> {
     }
 
     #[inline(always)]
-    fn target<K: Kernel>(&self, i: usize, buffers: &mut Buffers) -> Sums {
+    fn target<K: Kernel, S: Simd>(&self, simd: S, i: usize, buffers: &mut Buffers) -> Sums {
         let Buffers {
             candidates,
             sources,
@@ -250,7 +251,7 @@ impl Sweep<'_> {
         } = buffers;
         let own = self.source(i);
         let place = candidates.place(self.particles.x[i]);
-        candidates.list(place, own.reach2, reach2, list);
+        candidates.list(simd, place, (own.reach2, reach2), list);
         let mut sums = Sums {
             near: [f64::INFINITY; LANES],
             ..Sums::default()
