@@ -11,7 +11,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Select, Simd, SimdBase, dispatch, f64x8};
 use nbody::points::sum::{CHUNK, Parts};
 use nbody::points::{Clock, Fault, Population, Tree, Vec3};
 use rayon::prelude::*;
@@ -217,7 +217,7 @@ impl Sweep<'_> {
             let span = bounding(pending.iter().map(|t| self.x[t.i]));
             buffers.candidates.gather(&search, span, |_| 0.0);
             pending.retain_mut(|target| {
-                match dispatch!(self.level, _simd => self.solve::<K>(target, buffers)) {
+                match dispatch!(self.level, simd => self.solve::<K, _>(simd, target, buffers)) {
                     Outcome::Done(local) => {
                         self.write(target.i, &local, out);
                         false
@@ -257,7 +257,12 @@ impl Sweep<'_> {
     }
 
     #[inline(always)]
-    fn solve<K: Kernel>(&self, target: &mut Target, buffers: &mut Buffers) -> Outcome {
+    fn solve<K: Kernel, S: Simd>(
+        &self,
+        simd: S,
+        target: &mut Target,
+        buffers: &mut Buffers,
+    ) -> Outcome {
         let Buffers {
             candidates,
             list,
@@ -267,18 +272,20 @@ impl Sweep<'_> {
         let place = candidates.place(self.x[target.i]);
         // A hair more, so that what lies on the radius counts when H does.
         let limit = target.radius * target.radius * (1.0 + 1e-14);
-        candidates.list(place, limit, &[], list);
+        candidates.list(simd, place, (limit, &[]), list);
         r.clear();
         r.extend(list.r2().iter().map(|r2| r2.map(f64::sqrt)));
-        match self.law.solve::<K>(r, target.start, target.radius) {
-            Trial::Found(reach) => Outcome::Done(self.sums::<K>(target.i, (reach, true), buffers)),
+        match self.law.solve::<K, S>(simd, r, target.start, target.radius) {
+            Trial::Found(reach) => {
+                Outcome::Done(self.sums::<K, S>(simd, target.i, (reach, true), buffers))
+            }
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
                 let growth = (self.law.wanted / number).powf(1.0 / self.law.d);
                 target.start = target.radius;
                 Outcome::Wider((target.radius * (SLACK * growth).clamp(1.1, 1.6)).min(self.largest))
             }
             Trial::Short(number) if number > 0.0 => {
-                Outcome::Done(self.sums::<K>(target.i, (self.largest, false), buffers))
+                Outcome::Done(self.sums::<K, S>(simd, target.i, (self.largest, false), buffers))
             }
             Trial::Short(_) => Outcome::Failed(target.radius),
             Trial::Failed(reach) => Outcome::Failed(reach),
@@ -287,38 +294,42 @@ impl Sweep<'_> {
 
     /// The sums over the listed neighbours of particle i at support H = `reach`; `free` says whether H follows the particles.
     #[inline(always)]
-    fn sums<K: Kernel>(&self, i: usize, (reach, free): (f64, bool), buffers: &Buffers) -> Local {
+    fn sums<K: Kernel, S: Simd>(
+        &self,
+        simd: S,
+        i: usize,
+        (reach, free): (f64, bool),
+        buffers: &Buffers,
+    ) -> Local {
         let place = buffers.candidates.place(self.x[i]);
         let (inverse, cs) = (1.0 / reach, self.cs[i]);
-        let mut sums = Sums::default();
+        let mut sums = Sums::new(simd);
         for (numbers, r) in buffers.list.numbers().iter().zip(&buffers.r) {
             let block = self.block(i, place, numbers, &buffers.candidates);
-            for l in 0..LANES {
-                let q = (r[l] * inverse).min(1.0);
-                let (slope, m) = (K::slope(q), block.m[l]);
-                let d = [block.d[0][l], block.d[1][l], block.d[2][l]];
-                let dv = [block.dv[0][l], block.dv[1][l], block.dv[2][l]];
-                let approach = dv[0] * d[0] + dv[1] * d[1] + dv[2] * d[2];
-                sums.mass[l] += m * K::value(q);
-                sums.slope[l] -= q * q * slope;
-                sums.mass_slope[l] -= m * q * q * slope;
-                sums.div[l] += slope * approach;
-                sums.mass_div[l] += m * slope * approach;
-                for a in 0..3 {
-                    let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                    let turn = slope * (dv[b] * d[c] - dv[c] * d[b]);
-                    sums.curl[a][l] += turn;
-                    sums.mass_curl[a][l] += m * turn;
-                }
-                let towards = cs + block.cs[l] - 3.0 * approach.min(0.0) / r[l].max(TINY);
-                let (speed, span) = if q < 1.0 {
-                    (towards, block.span[l])
-                } else {
-                    (0.0, f64::INFINITY)
-                };
-                sums.v_sig[l] = sums.v_sig[l].max(speed);
-                sums.near_span[l] = sums.near_span[l].min(span);
+            let lanes = |lanes: Lanes| f64x8::from_slice(simd, &lanes);
+            let (d, dv, r) = (block.d.map(lanes), block.dv.map(lanes), lanes(*r));
+            let q = (r * inverse).min(1.0);
+            let (m, slope) = (lanes(block.m), K::slope(q));
+            let approach = dv[0] * d[0] + dv[1] * d[1] + dv[2] * d[2];
+            let fall = q * q * slope;
+            sums.mass += m * K::value(q);
+            sums.slope -= fall;
+            sums.mass_slope -= m * fall;
+            sums.div += slope * approach;
+            sums.mass_div += m * slope * approach;
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                let turn = slope * (dv[b] * d[c] - dv[c] * d[b]);
+                sums.curl[a] += turn;
+                sums.mass_curl[a] += m * turn;
             }
+            let inside = q.simd_lt(1.0);
+            let speed = lanes(block.cs) + cs - approach.min(0.0) * 3.0 / r.max(TINY);
+            sums.v_sig = sums
+                .v_sig
+                .max(inside.select(speed, f64x8::splat(simd, 0.0)));
+            let far = f64x8::splat(simd, f64::INFINITY);
+            sums.near_span = sums.near_span.min(inside.select(lanes(block.span), far));
         }
         self.local(i, (reach, free), &sums)
     }
@@ -333,8 +344,8 @@ impl Sweep<'_> {
     ) -> Block {
         let mut block = Block::default();
         let v = self.v[i];
-        for l in 0..LANES {
-            let k = numbers[l] as usize;
+        for (l, &k) in numbers.iter().enumerate() {
+            let k = k as usize;
             let j = candidates.index[k] as usize;
             let (v_j, d) = (
                 self.v[j],
@@ -357,7 +368,8 @@ impl Sweep<'_> {
         block
     }
 
-    fn local(&self, i: usize, (reach, free): (f64, bool), sum: &Sums) -> Local {
+    fn local(&self, i: usize, (reach, free): (f64, bool), sum: &Sums<impl Simd>) -> Local {
+        let total = |lanes: f64x8<_>| total(lanes.into());
         let d = self.law.d;
         let mass = total(sum.mass) - self.law.excess * self.m[i];
         let g = if free {
@@ -375,9 +387,11 @@ impl Sweep<'_> {
             grad_h: g / self.m[i],
             div_v: -scale * (total(sum.mass_div) - g * total(sum.div)),
             curl_v: scale * Vec3::from_fn(|a, _| curl(a)).norm(),
-            v_sig: sum.v_sig.into_iter().fold(0.0, f64::max),
+            v_sig: Lanes::from(sum.v_sig).into_iter().fold(0.0, f64::max),
             // Infinite without neighbours: the cast saturates.
-            near_span: sum.near_span.into_iter().fold(f64::INFINITY, f64::min) as u32,
+            near_span: Lanes::from(sum.near_span)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min) as u32,
         }
     }
 
@@ -415,31 +429,32 @@ struct Block {
 }
 
 /// Sums over neighbours, without and with their masses.
-struct Sums {
-    mass: Lanes,
-    slope: Lanes,
-    mass_slope: Lanes,
-    div: Lanes,
-    mass_div: Lanes,
-    curl: [Lanes; 3],
-    mass_curl: [Lanes; 3],
-    v_sig: Lanes,
-    near_span: Lanes,
+struct Sums<S: Simd> {
+    mass: f64x8<S>,
+    slope: f64x8<S>,
+    mass_slope: f64x8<S>,
+    div: f64x8<S>,
+    mass_div: f64x8<S>,
+    curl: [f64x8<S>; 3],
+    mass_curl: [f64x8<S>; 3],
+    v_sig: f64x8<S>,
+    near_span: f64x8<S>,
 }
 
-impl Default for Sums {
-    fn default() -> Self {
-        const ZERO: Lanes = [0.0; LANES];
+impl<S: Simd> Sums<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        let zero = f64x8::splat(simd, 0.0);
         Self {
-            mass: ZERO,
-            slope: ZERO,
-            mass_slope: ZERO,
-            div: ZERO,
-            mass_div: ZERO,
-            curl: [ZERO; 3],
-            mass_curl: [ZERO; 3],
-            v_sig: ZERO,
-            near_span: [f64::INFINITY; LANES],
+            mass: zero,
+            slope: zero,
+            mass_slope: zero,
+            div: zero,
+            mass_div: zero,
+            curl: [zero; 3],
+            mass_curl: [zero; 3],
+            v_sig: zero,
+            near_span: f64x8::splat(simd, f64::INFINITY),
         }
     }
 }
@@ -485,20 +500,19 @@ impl Law {
 
     /// Newton's method in ln H for ln of the neighbour number, kept between bounds; the number grows with H.
     #[inline(always)]
-    fn solve<K: Kernel>(&self, r: &[Lanes], start: f64, radius: f64) -> Trial {
+    fn solve<K: Kernel, S: Simd>(&self, simd: S, r: &[Lanes], start: f64, radius: f64) -> Trial {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut reach = start.min(radius);
         for _ in 0..TRIES {
             let inverse = 1.0 / reach;
-            let (mut value, mut slope) = ([0.0; LANES], [0.0; LANES]);
+            let zero = f64x8::splat(simd, 0.0);
+            let (mut value, mut slope) = (zero, zero);
             for r in r {
-                for l in 0..LANES {
-                    let q = (r[l] * inverse).min(1.0);
-                    value[l] += K::value(q);
-                    slope[l] -= q * q * K::slope(q);
-                }
+                let q = (f64x8::from_slice(simd, r) * inverse).min(1.0);
+                value += K::value(q);
+                slope -= q * q * K::slope(q);
             }
-            let (value, slope) = (total(value), total(slope));
+            let (value, slope) = (total(value.into()), total(slope.into()));
             let number = self.weight * value;
             let excess = (number / self.wanted).ln();
             if excess >= 0.0 {

@@ -10,7 +10,7 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch};
 use nbody::points::sum::Parts;
 use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
@@ -177,7 +177,8 @@ impl Sweep<'_> {
         self.gather(leaf, range.clone(), buffers);
         range
             .map(|i| {
-                let sums: Sums = dispatch!(self.level, _simd => self.target::<K>(i, buffers));
+                let sums: Sums =
+                    dispatch!(self.level, simd => self.target::<K, _>(simd, i, buffers));
                 self.write(i, &sums, out);
                 usize::from(sums.nearest().is_finite())
             })
@@ -208,6 +209,9 @@ impl Sweep<'_> {
         buffers
             .sources
             .extend(index.iter().map(|&j| self.source(j as usize)));
+        buffers.reach2.clear();
+        let reach2 = buffers.sources.iter().map(|source| source.reach2);
+        buffers.reach2.extend(reach2);
     }
 
     fn active(&self, i: usize) -> bool {
@@ -238,7 +242,7 @@ impl Sweep<'_> {
     }
 
     #[inline(always)]
-    fn target<K: Kernel>(&self, i: usize, buffers: &mut Buffers) -> Sums {
+    fn target<K: Kernel, S: Simd>(&self, simd: S, i: usize, buffers: &mut Buffers) -> Sums {
         let Buffers {
             candidates,
             sources,
@@ -247,15 +251,15 @@ impl Sweep<'_> {
         } = buffers;
         let own = self.source(i);
         let place = candidates.place(self.particles.x[i]);
-        candidates.list(place, own.reach2, reach2, list);
+        candidates.list(simd, place, (own.reach2, reach2), list);
         let mut sums = Sums {
             near: [f64::INFINITY; LANES],
             ..Sums::default()
         };
         for (numbers, r2) in list.numbers().iter().zip(list.r2()) {
             let block = block(&own, place, numbers, candidates, sources);
-            for l in 0..LANES {
-                let [pull, heat] = self.flux::<K>(&own, &block, r2[l], l);
+            for (l, &r2) in r2.iter().enumerate() {
+                let [pull, heat] = self.flux::<K>(&own, &block, r2, l);
                 // The later begin of a pair is the lesser age.
                 let closing = own.age.min(block.age[l]) - 0.5 * own.span.min(block.span[l]);
                 let opening = 0.5 * own.next_span.min(block.next_span[l]);
@@ -265,7 +269,7 @@ impl Sweep<'_> {
                     }
                     sums.heat[n][l] += weight * heat;
                 }
-                let meets = block.acts[l] > 0.0 && r2[l] < FAR;
+                let meets = block.acts[l] > 0.0 && r2 < FAR;
                 let near = if meets {
                     block.next_span[l]
                 } else {
@@ -341,8 +345,8 @@ fn block(
     sources: &[Source],
 ) -> Block {
     let mut block = Block::default();
-    for l in 0..LANES {
-        let k = numbers[l] as usize;
+    for (l, &k) in numbers.iter().enumerate() {
+        let k = k as usize;
         let (s, d) = (
             &sources[k],
             [candidates.x[k], candidates.y[k], candidates.z[k]],

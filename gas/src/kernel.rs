@@ -4,6 +4,37 @@
 //! Source: Dehnen & Aly (2012), table 1.
 
 use std::f64::consts::PI;
+use std::ops::{Add, Div, Mul, Sub};
+
+use fearless_simd::{Simd, SimdBase, f64x8};
+
+/// A number or lanes of numbers.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// The greater of both.
+    fn at_least(self, bound: f64) -> Self;
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn at_least(self, bound: f64) -> Self {
+        self.max(bound)
+    }
+}
+
+impl<S: Simd> Real for f64x8<S> {
+    #[inline(always)]
+    fn at_least(self, bound: f64) -> Self {
+        self.max(bound)
+    }
+}
 
 /// The form of a kernel; q = r / H.
 pub trait Kernel: Copy + Send + Sync + 'static {
@@ -14,10 +45,10 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     fn norm(dimensions: usize) -> f64;
 
     /// w(q), not normalised.
-    fn value(q: f64) -> f64;
+    fn value<R: Real>(q: R) -> R;
 
     /// (dw/dq) / q, not normalised; finite at q = 0.
-    fn slope(q: f64) -> f64;
+    fn slope<R: Real>(q: R) -> R;
 
     /// The part of its own W(0, H) that a particle counts too much in its density, at this neighbour number.
     fn self_excess(_neighbours: f64, _dimensions: usize) -> f64 {
@@ -50,18 +81,18 @@ impl Kernel for CubicSpline {
     }
 
     #[inline(always)]
-    fn value(q: f64) -> f64 {
-        let outer = (1.0 - q).max(0.0);
-        let inner = (0.5 - q).max(0.0);
-        outer * outer * outer - 4.0 * inner * inner * inner
+    fn value<R: Real>(q: R) -> R {
+        let outer = (q * -1.0 + 1.0).at_least(0.0);
+        let inner = (q * -1.0 + 0.5).at_least(0.0);
+        outer * outer * outer - inner * inner * inner * 4.0
     }
 
     #[inline(always)]
-    fn slope(q: f64) -> f64 {
-        let outer = (1.0 - q).max(0.0);
-        let inner = (0.5 - q).max(0.0);
+    fn slope<R: Real>(q: R) -> R {
+        let outer = (q * -1.0 + 1.0).at_least(0.0);
+        let inner = (q * -1.0 + 0.5).at_least(0.0);
         // Both squares cancel at the centre, where the slope is -6; kept off zero, it comes out to 1e-8 there.
-        (12.0 * inner * inner - 3.0 * outer * outer) / q.max(1e-8)
+        (inner * inner * 12.0 - outer * outer * 3.0) / q.at_least(1e-8)
     }
 }
 
@@ -84,16 +115,16 @@ impl Kernel for WendlandC2 {
     }
 
     #[inline(always)]
-    fn value(q: f64) -> f64 {
-        let outer = (1.0 - q).max(0.0);
+    fn value<R: Real>(q: R) -> R {
+        let outer = (q * -1.0 + 1.0).at_least(0.0);
         let square = outer * outer;
-        square * square * (1.0 + 4.0 * q)
+        square * square * (q * 4.0 + 1.0)
     }
 
     #[inline(always)]
-    fn slope(q: f64) -> f64 {
-        let outer = (1.0 - q).max(0.0);
-        -20.0 * outer * outer * outer
+    fn slope<R: Real>(q: R) -> R {
+        let outer = (q * -1.0 + 1.0).at_least(0.0);
+        outer * outer * outer * -20.0
     }
 }
 

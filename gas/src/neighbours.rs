@@ -2,6 +2,7 @@
 //!
 //! Coordinates are relative to the middle of the targets' box, periodic images moved next to it, zero along missing axes.
 
+use fearless_simd::{Simd, SimdBase, SimdMask, f64x8};
 use nbody::points::{Domain, Tree, Vec3};
 
 /// A box around targets.
@@ -36,7 +37,7 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Gathers all particles j within max(reach, own(j)) of the box; a negative `own` excludes j.
+    /// Gathers all particles j within max(reach, own(j)) of the box; a negative `own` excludes j. Filled up to a multiple of [`LANES`].
     pub fn gather(&mut self, search: &Search, (lo, hi): Span, own: impl Fn(usize) -> f64) {
         self.index.clear();
         self.x.clear();
@@ -67,6 +68,13 @@ impl Candidates {
                 }
             }
         });
+        // Fill up the last lanes with what is near nobody.
+        let filled = self.index.len().next_multiple_of(LANES);
+        let first = self.index.first().copied().unwrap_or(0);
+        self.index.resize(filled, first);
+        for x in [&mut self.x, &mut self.y, &mut self.z] {
+            x.resize(filled, FAR);
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -86,43 +94,74 @@ impl Candidates {
     ///
     /// The list is filled up to a multiple of [`LANES`] with candidates at the distance [`FAR`].
     #[inline(always)]
-    pub fn list(&self, place: [f64; 3], reach2: f64, own: &[f64], list: &mut List) {
-        let n = self.len();
-        let room = n + LANES;
+    pub fn list<S: Simd>(
+        &self,
+        simd: S,
+        place: [f64; 3],
+        (reach2, own): (f64, &[f64]),
+        list: &mut List,
+    ) {
+        let room = self.len() + LANES;
         if list.number.len() < room {
             list.number.resize(room, 0);
-            list.r2.resize(room, 0.0);
             list.all.resize(room, 0.0);
-            list.limit.resize(room, 0.0);
         }
-        let (x, y, z) = (&self.x[..n], &self.y[..n], &self.z[..n]);
-        let all = &mut list.all[..n];
-        for k in 0..n {
-            let (dx, dy, dz) = (x[k] - place[0], y[k] - place[1], z[k] - place[2]);
-            all[k] = dx * dx + dy * dy + dz * dz;
-        }
-        let limit = &mut list.limit[..n];
-        if own.is_empty() {
-            limit.fill(reach2);
-        } else {
-            let own = &own[..n];
-            for k in 0..n {
-                limit[k] = own[k].max(reach2);
-            }
-        }
-        let (number, r2) = (&mut list.number[..room], &mut list.r2[..room]);
+        let (x, y, z) = (
+            self.x.as_chunks().0,
+            self.y.as_chunks().0,
+            self.z.as_chunks().0,
+        );
+        let own = own.as_chunks().0;
+        let all: &mut [Lanes] = list.all.as_chunks_mut().0;
+        let lanes = |lanes: &Lanes| f64x8::from_slice(simd, lanes);
         let mut count = 0;
-        for k in 0..n {
-            // Never past k: the list is no longer than what was tried.
-            number[count] = k as u32;
-            r2[count] = all[k];
-            count += usize::from(all[k] < limit[k]);
+        for (c, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
+            let d = [
+                lanes(x) - place[0],
+                lanes(y) - place[1],
+                lanes(z) - place[2],
+            ];
+            let r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            r2.store_slice(&mut all[c]);
+            let limit = own
+                .get(c)
+                .map_or(f64x8::splat(simd, reach2), |own| lanes(own).max(reach2));
+            let inside = r2.simd_lt(limit).to_bitmask() as u8;
+            // All lanes are written, those inside first; the next ones overwrite the rest.
+            let numbers = &mut list.number[count..count + LANES];
+            for (number, &lane) in numbers.iter_mut().zip(&FIRST[usize::from(inside)]) {
+                *number = (c * LANES) as u32 + u32::from(lane);
+            }
+            count += inside.count_ones() as usize;
         }
-        number[count..count + LANES].fill(0);
-        r2[count..count + LANES].fill(FAR * FAR);
         list.count = count;
+        list.r2.clear();
+        let filled = count.next_multiple_of(LANES);
+        list.number[count..filled].fill(0);
+        let all = &list.all;
+        list.r2
+            .extend(list.number[..count].iter().map(|&k| all[k as usize]));
+        list.r2.resize(filled, FAR * FAR);
     }
 }
+
+/// For each set of lanes their numbers, ascending; then zeros.
+const FIRST: [[u8; LANES]; 256] = {
+    let mut table = [[0; LANES]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < LANES {
+            if set >> lane & 1 == 1 {
+                table[set][count] = lane as u8;
+                count += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    table
+};
 
 /// Pairs that are worked on together.
 pub const LANES: usize = 8;
@@ -135,8 +174,8 @@ pub const FAR: f64 = 1e100;
 pub struct List {
     number: Vec<u32>,
     r2: Vec<f64>,
+    /// r^2 of all candidates.
     all: Vec<f64>,
-    limit: Vec<f64>,
     count: usize,
 }
 

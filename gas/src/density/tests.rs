@@ -33,7 +33,15 @@ fn check_against_direct_sums<K: Kernel>(hydro: &Hydro) {
         };
         let number = unit_sphere(d) * reach.powi(d as i32) * sum(reach, &|_, w| w);
         assert!((number / hydro.neighbours - 1.0).abs() < d as f64 * hydro.tolerance);
-        let rho = sum(reach, &|j, w| p.m[j] * w);
+        let own = K::self_excess(hydro.neighbours, d);
+        let counted = |j: usize, w: f64| {
+            if j == i {
+                p.m[j] * w * (1.0 - own)
+            } else {
+                p.m[j] * w
+            }
+        };
+        let rho = sum(reach, &counted);
         assert!((derived.rho[i] / rho - 1.0).abs() < 1e-13);
         // g from differences in H: (h/(d n) drho/dh) / (1 + h/(d n) dn/dh).
         let e = 1e-6;
@@ -41,7 +49,7 @@ fn check_against_direct_sums<K: Kernel>(hydro: &Hydro) {
             (sum(reach * (1.0 + e), f) - sum(reach * (1.0 - e), f)) / (2.0 * e)
         };
         let n = sum(reach, &|_, w| w) * d as f64;
-        let g = slope(&|j, w| p.m[j] * w) / n / (1.0 + slope(&|_, w| w) / n);
+        let g = slope(&counted) / n / (1.0 + slope(&|_, w| w) / n);
         assert!((derived.grad_h[i] * p.m[i] - g).abs() < 1e-8 * p.m[i]);
         let gradient = |j: usize, r: Vec3| {
             let r_norm = r.norm().max(1e-300);
