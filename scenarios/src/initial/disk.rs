@@ -195,7 +195,6 @@ pub(super) mod tests {
     use std::sync::OnceLock;
 
     use super::*;
-    use nbody::points::Columns;
 
     pub fn flat() -> Disk {
         Disk {
@@ -401,19 +400,6 @@ pub(super) mod tests {
             let height = rms(ring.iter().map(|x| x.z / disk.scale_height(x.xy().norm())));
             assert!((height - 1.0).abs() < 0.01, "{height} from {a} to {b}");
         }
-    }
-
-    #[test]
-    fn timing() {
-        let n = std::env::var("N").map_or(50000, |s| s.parse().unwrap());
-        let t = std::time::Instant::now();
-        let disk = Disk {
-            particles: n,
-            ..flat()
-        };
-        let gas = disk.gas(Resolution::default(), 1, 10);
-        eprintln!("gas {n} {:?}", t.elapsed());
-        assert!(gas.non_finite().is_none());
     }
 
     #[test]

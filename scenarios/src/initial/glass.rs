@@ -183,16 +183,17 @@ impl<'a, D: Density> Glass<'a, D> {
 
     fn gather(&self, near: &mut Candidates, leaf: usize) {
         let node = &self.tree.nodes[leaf];
-        near.gather(node.centre(), |take| {
-            let reach = self.extent[leaf];
-            let range = (node.lo, node.hi);
-            self.tree
-                .near(&self.domain, range, reach, &self.extent, |range, shift| {
-                    for j in range {
-                        take(self.x[j] + shift, self.support[j], self.pull[j]);
-                    }
-                });
-        });
+        near.clear(node.centre());
+        self.tree.near(
+            &self.domain,
+            (node.lo, node.hi),
+            self.extent[leaf],
+            &self.extent,
+            |j, shift| {
+                let (x, support) = (&self.x[j.clone()], &self.support[j.clone()]);
+                near.gather(x, shift, support, &self.pull[j]);
+            },
+        );
     }
 
     fn sweep(&self, range: Range<usize>, near: &mut Candidates, sums: &mut [Sum]) {

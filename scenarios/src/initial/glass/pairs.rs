@@ -31,8 +31,8 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Takes up the points that `near` names by position, support and pull.
-    pub fn gather(&mut self, centre: Vec3, near: impl FnOnce(&mut dyn FnMut(Vec3, f64, f64))) {
+    /// Forgets all points; those to come are near `centre`.
+    pub fn clear(&mut self, centre: Vec3) {
         for column in [
             &mut self.x,
             &mut self.y,
@@ -43,21 +43,23 @@ impl Candidates {
             column.clear();
         }
         self.centre = centre;
-        near(&mut |x, support, pull| {
-            let x = x - centre;
-            self.x.push(x.x as f32);
-            self.y.push(x.y as f32);
-            self.z.push(x.z as f32);
-            self.support.push(support as f32);
-            self.pull.push(pull as f32);
-        });
-        self.inside.resize(self.x.len(), false);
-        self.near.resize(self.x.len() + 1, 0);
+    }
+
+    /// Takes up points by position, moved by `shift`, support and pull.
+    pub fn gather(&mut self, x: &[Vec3], shift: Vec3, support: &[f64], pull: &[f64]) {
+        let shift = shift - self.centre;
+        self.x.extend(x.iter().map(|x| (x.x + shift.x) as f32));
+        self.y.extend(x.iter().map(|x| (x.y + shift.y) as f32));
+        self.z.extend(x.iter().map(|x| (x.z + shift.z) as f32));
+        self.support.extend(support.iter().map(|&s| s as f32));
+        self.pull.extend(pull.iter().map(|&p| p as f32));
     }
 
     /// Leaves in `pairs` the separations dx, dy, dz, and inverse support and pull, of the points within either support.
     pub fn select(&mut self, x: Vec3, support: f64) {
         let n = self.x.len();
+        self.inside.resize(n, false);
+        self.near.resize(n + 1, 0);
         let own = support as f32;
         let at = (x - self.centre).map(|c| c as f32);
         let (xs, ys, zs) = (&self.x[..n], &self.y[..n], &self.z[..n]);
@@ -73,27 +75,22 @@ impl Candidates {
             self.near[count] = j as u32;
             count += usize::from(inside);
         }
+        let chosen = &self.near[..count];
         for column in &mut self.pairs {
-            column.clear();
+            column.resize(count.next_multiple_of(LANES), 0.0);
         }
-        for &j in &self.near[..count] {
+        let [x, y, z, inverse, pull] = &mut self.pairs;
+        for (k, &j) in chosen.iter().enumerate() {
             let j = j as usize;
-            self.pairs[0].push(at.x - self.x[j]);
-            self.pairs[1].push(at.y - self.y[j]);
-            self.pairs[2].push(at.z - self.z[j]);
-            self.pairs[3].push(1.0 / self.support[j]);
-            self.pairs[4].push(self.pull[j]);
+            x[k] = at.x - xs[j];
+            y[k] = at.y - ys[j];
+            z[k] = at.z - zs[j];
+            inverse[k] = 1.0 / supports[j];
+            pull[k] = self.pull[j];
         }
-        let full = count.next_multiple_of(LANES);
-        for (column, out) in self
-            .pairs
-            .iter_mut()
-            .zip([1.0, 0.0, 0.0, f32::INFINITY, 0.0])
-        {
-            column.resize(full, out);
-        }
-        // A filler at distance support is outside of the point's own kernel too.
-        self.pairs[0][count..].fill(2.0 * own);
+        // Fillers lie outside of the point's own kernel and have none.
+        x[count..].fill(2.0 * own);
+        pull[count..].fill(0.0);
     }
 
     /// Sums over what `select` left, in the point's own kernel of inverse support `inverse`.
