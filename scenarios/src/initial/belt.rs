@@ -203,3 +203,122 @@ fn rayleigh(rms: f64, end: f64, random: &mut impl Rng) -> f64 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn belt() -> Belt {
+        Belt {
+            number: 20_000,
+            mass: 1e-10,
+            density: 2.0,
+            softening: 0.0,
+            inner_radius: 0.8,
+            outer_radius: 1.6,
+            slope: -1.5,
+            eccentricity: 0.02,
+            inclination: 0.01,
+        }
+    }
+
+    const STAR: Centre = Centre {
+        x: Vec3::new(1.0, -2.0, 0.5),
+        v: Vec3::new(0.1, 0.2, -0.3),
+        mass: 2.0,
+        g: 3.0,
+    };
+
+    #[test]
+    fn a_state_has_the_energy_the_pole_and_the_laplace_vector_of_its_elements() {
+        let mu = 1.7;
+        for e in [0.0, 1e-9, 0.3, 0.9, 0.999] {
+            for mean_anomaly in [-9.0, -3.0, -1e-7, 0.0, 0.4, 3.1, 3.2, 20.0] {
+                let elements = Elements {
+                    semi_major_axis: 2.5,
+                    eccentricity: e,
+                    inclination: 0.6,
+                    node: 1.1,
+                    pericentre: 4.0,
+                    mean_anomaly,
+                };
+                let (x, v) = state(&elements, mu);
+                let energy = 0.5 * v.norm_squared() - mu / x.norm();
+                assert!(
+                    (energy * -2.0 * 2.5 / mu - 1.0).abs() < 1e-11 / (1.0 - e),
+                    "{energy}"
+                );
+                let pole = x.cross(&v) / (mu * 2.5 * (1.0 - e * e)).sqrt();
+                let (i, n) = (0.6f64, 1.1f64);
+                let wanted = Vec3::new(i.sin() * n.sin(), -i.sin() * n.cos(), i.cos());
+                assert!((pole - wanted).norm() < 1e-11 / (1.0 - e), "{pole}");
+                let laplace = v.cross(&x.cross(&v)) / mu - x / x.norm();
+                let node = Vec3::new(n.cos(), n.sin(), 0.0);
+                let towards = node * 4f64.cos() + wanted.cross(&node) * 4f64.sin();
+                assert!(
+                    (laplace - e * towards).norm() < 1e-11 / (1.0 - e),
+                    "{laplace}"
+                );
+                // Kepler's equation from the state: e sin E = x.v / sqrt(mu a), 1 - e cos E = r / a.
+                if e > 0.1 {
+                    let sin = x.dot(&v) / (mu * 2.5).sqrt();
+                    let cos = 1.0 - x.norm() / 2.5;
+                    let turns = (sin.atan2(cos) - sin - mean_anomaly) / (2.0 * PI);
+                    assert!((turns - turns.round()).abs() < 1e-9, "{turns} at e {e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_belt_has_the_wanted_statistics() {
+        let belt = belt();
+        let n = belt.number as f64;
+        let all: Vec<Elements> = (0..belt.number as u64)
+            .map(|id| belt.elements(1, id))
+            .collect();
+        let mean = |f: &dyn Fn(&Elements) -> f64| all.iter().map(f).sum::<f64>() / n;
+        // The variance of x^2 of a Rayleigh distribution is the square of its mean; bars are four standard errors.
+        assert!((mean(&|o| o.eccentricity.powi(2)) / 0.02f64.powi(2) - 1.0).abs() < 4.0 / n.sqrt());
+        assert!((mean(&|o| o.inclination.powi(2)) / 0.01f64.powi(2) - 1.0).abs() < 4.0 / n.sqrt());
+        // The mean of a Rayleigh distribution is sqrt(pi)/2 of its rms, the variance 1 - pi/4.
+        let straight = mean(&|o| o.eccentricity) / 0.02;
+        assert!((straight - 0.5 * PI.sqrt()).abs() < 4.0 * (1.0 - PI / 4.0).sqrt() / n.sqrt());
+        let inside = mean(&|o| f64::from(o.semi_major_axis < 1.2));
+        let power = 0.5;
+        let root = |a: f64| f64::powf(a, power);
+        let wanted = (root(1.2) - root(0.8)) / (root(1.6) - root(0.8));
+        assert!(
+            (inside - wanted).abs() < 4.0 * 0.5 / n.sqrt(),
+            "{inside} {wanted}"
+        );
+        let angles: [&dyn Fn(&Elements) -> f64; 3] =
+            [&|o| o.node, &|o| o.pericentre, &|o| o.mean_anomaly];
+        for angle in angles {
+            for k in 1..4 {
+                let wave = mean(&|o| (f64::from(k) * angle(o)).cos());
+                assert!(wave.abs() < 4.0 * 0.5f64.sqrt() / n.sqrt(), "{wave}");
+            }
+        }
+    }
+
+    #[test]
+    fn bodies_go_around_the_star_and_depend_on_their_id_alone() {
+        let few = Belt {
+            number: 10,
+            ..belt()
+        };
+        let bodies = few.bodies(&STAR, 4, 100);
+        assert_eq!(bodies.id, (100..110).collect::<Vec<u64>>());
+        assert_eq!(few.bodies(&STAR, 4, 101).x[..9], bodies.x[1..]);
+        assert_ne!(few.bodies(&STAR, 5, 100).x, bodies.x);
+        for i in 0..10 {
+            let (x, v) = (bodies.x[i] - STAR.x, bodies.v[i] - STAR.v);
+            let a = few.elements(4, 100 + i as u64).semi_major_axis;
+            let energy = 0.5 * v.norm_squared() - 3.0 * (2.0 + 1e-10) / x.norm();
+            assert!((energy * -2.0 * a / 6.0 - 1.0).abs() < 1e-9);
+            assert!((4.0 / 3.0 * PI * bodies.radius[i].powi(3) * 2.0 / 1e-10 - 1.0).abs() < 1e-12);
+            assert_eq!(bodies.kind[i], Kind::Planetesimal as u32);
+        }
+    }
+}

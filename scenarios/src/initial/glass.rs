@@ -15,6 +15,10 @@ use nbody::points::sum::Parts;
 use nbody::points::{Domain, Tree, Vec3};
 use rayon::prelude::*;
 
+mod pairs;
+
+use pairs::Candidates;
+
 /// A wanted density.
 pub trait Density: Sync {
     /// Density, up to a constant factor.
@@ -168,13 +172,28 @@ impl<'a, D: Density> Glass<'a, D> {
             .par_iter()
             .for_each_init(Candidates::default, |near, &leaf| {
                 let range = self.tree.nodes[leaf as usize].range();
-                near.gather(self, leaf as usize);
+                self.gather(near, leaf as usize);
                 // SAFETY: the ranges of leaves are disjoint.
                 let sums = unsafe { parts.part(range.clone()) };
                 self.sweep(range, near, sums);
             });
         self.sums = sums;
         self.adopt();
+    }
+
+    fn gather(&self, near: &mut Candidates, leaf: usize) {
+        let node = &self.tree.nodes[leaf];
+        near.clear(node.centre());
+        self.tree.near(
+            &self.domain,
+            (node.lo, node.hi),
+            self.extent[leaf],
+            &self.extent,
+            |j, shift| {
+                let (x, support) = (&self.x[j.clone()], &self.support[j.clone()]);
+                near.gather(x, shift, support, &self.pull[j]);
+            },
+        );
     }
 
     fn sweep(&self, range: Range<usize>, near: &mut Candidates, sums: &mut [Sum]) {
@@ -188,7 +207,7 @@ impl<'a, D: Density> Glass<'a, D> {
         for (i, sum) in range.zip(sums) {
             let inverse = 1.0 / self.support[i];
             near.select(self.x[i], self.support[i]);
-            let found = near.pairs(inverse as f32);
+            let found = near.sums(inverse as f32);
             let own = found.own * self.pull[i];
             *sum = Sum {
                 density: norm * inverse.powi(dimensions) * found.value,
@@ -229,142 +248,127 @@ fn reorder<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
     *values = order.iter().map(|&i| values[i as usize]).collect();
 }
 
-/// Pairs that are summed side by side.
-const LANES: usize = 8;
+#[cfg(test)]
+mod tests {
+    use nbody::points::random::{Purpose, stream};
+    use rand::RngExt;
 
-/// Sums over the pairs of a point: of (1-q)^4 (1+4q) and q^2 (1-q)^3 in its own kernel, and of the forces in its own and in the others'.
-#[derive(Clone, Copy, Debug)]
-struct Found {
-    value: f64,
-    rim: f64,
-    own: Vec3,
-    others: Vec3,
-}
+    use super::super::lattice::Block;
+    use super::*;
 
-/// Points near a leaf, one coordinate a column, relative to the leaf's centre; and those of them near one point, relative to that.
-/// Single precision: no length here is more than a few kernels.
-#[derive(Debug, Default)]
-struct Candidates {
-    centre: Vec3,
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
-    support: Vec<f32>,
-    /// Weight of the point's own kernel gradient.
-    pull: Vec<f32>,
-    inside: Vec<bool>,
-    near: Vec<u32>,
-    pairs: [Vec<f32>; 5],
-}
+    const SIZE: f64 = 1.3;
 
-impl Candidates {
-    fn gather<D: Density>(&mut self, glass: &Glass<D>, leaf: usize) {
-        for column in [
-            &mut self.x,
-            &mut self.y,
-            &mut self.z,
-            &mut self.support,
-            &mut self.pull,
-        ] {
-            column.clear();
-        }
-        let node = &glass.tree.nodes[leaf];
-        self.centre = node.centre();
-        glass.tree.near(
-            &glass.domain,
-            (node.lo, node.hi),
-            glass.extent[leaf],
-            &glass.extent,
-            |range, shift| {
-                for j in range {
-                    let x = glass.x[j] + shift - self.centre;
-                    self.x.push(x.x as f32);
-                    self.y.push(x.y as f32);
-                    self.z.push(x.z as f32);
-                    self.support.push(glass.support[j] as f32);
-                    self.pull.push(glass.pull[j] as f32);
-                }
-            },
-        );
-        self.inside.resize(self.x.len(), false);
-        self.near.resize(self.x.len() + 1, 0);
+    fn box_of(axes: [bool; 3]) -> Domain {
+        Domain::periodic(Vec3::repeat(SIZE)).with_axes(axes)
     }
 
-    /// Leaves in `pairs` the separations dx, dy, dz, and inverse support and pull, of the points within either support.
-    fn select(&mut self, x: Vec3, support: f64) {
-        let n = self.x.len();
-        let own = support as f32;
-        let at = (x - self.centre).map(|c| c as f32);
-        let (xs, ys, zs) = (&self.x[..n], &self.y[..n], &self.z[..n]);
-        let (supports, inside) = (&self.support[..n], &mut self.inside[..n]);
-        for j in 0..n {
-            let (dx, dy, dz) = (at.x - xs[j], at.y - ys[j], at.z - zs[j]);
-            let reach = if own > supports[j] { own } else { supports[j] };
-            inside[j] = dx * dx + dy * dy + dz * dz < reach * reach;
-        }
-        let mut count = 0;
-        for j in 0..n {
-            // Without a branch: a guess would be wrong too often.
-            self.near[count] = j as u32;
-            count += usize::from(inside[j]);
-        }
-        for column in &mut self.pairs {
-            column.clear();
-        }
-        for &j in &self.near[..count] {
-            let j = j as usize;
-            self.pairs[0].push(at.x - self.x[j]);
-            self.pairs[1].push(at.y - self.y[j]);
-            self.pairs[2].push(at.z - self.z[j]);
-            self.pairs[3].push(1.0 / self.support[j]);
-            self.pairs[4].push(self.pull[j]);
-        }
-        let full = count.next_multiple_of(LANES);
-        for (column, out) in self
-            .pairs
-            .iter_mut()
-            .zip([1.0, 0.0, 0.0, f32::INFINITY, 0.0])
-        {
-            column.resize(full, out);
-        }
-        // A filler at distance support is outside of the point's own kernel too.
-        self.pairs[0][count..].fill(2.0 * own);
+    fn scattered(n: usize, domain: &Domain) -> Vec<Vec3> {
+        let mut random = stream(3, Purpose::GasPositions, 0, 0);
+        let mut any = || domain.in_plane(Vec3::from_fn(|_, _| SIZE * random.random::<f64>()));
+        (0..n).map(|_| any()).collect()
     }
 
-    fn pairs(&self, inverse: f32) -> Found {
-        let mut sums = [[0f32; LANES]; 8];
-        let [x, y, z, inverses, pulls] = &self.pairs;
-        let columns = x
-            .chunks_exact(LANES)
-            .zip(y.chunks_exact(LANES))
-            .zip(z.chunks_exact(LANES))
-            .zip(inverses.chunks_exact(LANES))
-            .zip(pulls.chunks_exact(LANES));
-        for ((((x, y), z), inverses), pulls) in columns {
-            for k in 0..LANES {
-                let r = (x[k] * x[k] + y[k] * y[k] + z[k] * z[k]).sqrt();
-                let q = r * inverse;
-                let rest = if q < 1.0 { 1.0 - q } else { 0.0 };
-                let cube = rest * rest * rest;
-                sums[0][k] += cube * rest * (1.0 + 4.0 * q);
-                sums[1][k] += q * q * cube;
-                let q = r * inverses[k];
-                let rest = if q < 1.0 { 1.0 - q } else { 0.0 };
-                let other = rest * rest * rest * pulls[k];
-                sums[2][k] += cube * x[k];
-                sums[3][k] += cube * y[k];
-                sums[4][k] += cube * z[k];
-                sums[5][k] += other * x[k];
-                sums[6][k] += other * y[k];
-                sums[7][k] += other * z[k];
+    /// n of the point at x, its support found by bisection: all from the definition.
+    fn number_density(x: Vec3, all: &[Vec3], domain: &Domain) -> f64 {
+        let d = domain.dimensions() as i32;
+        let room = if d == 2 { PI } else { 4.0 / 3.0 * PI };
+        let norm = if d == 2 { 7.0 / PI } else { 10.5 / PI };
+        let kernel = |q: f64| norm * (1.0 - q).max(0.0).powi(4) * (1.0 + 4.0 * q);
+        let sum = |support: f64| -> f64 {
+            let part = |y: &Vec3| kernel(domain.nearest(y - x).norm() / support);
+            all.iter().map(part).sum::<f64>() / support.powi(d)
+        };
+        let (mut lo, mut hi) = (0.05, 0.5 * SIZE);
+        for _ in 0..45 {
+            let middle = 0.5 * (lo + hi);
+            if room * middle.powi(d) * sum(middle) < 64.0 {
+                lo = middle
+            } else {
+                hi = middle
             }
         }
-        let total = |k: usize| f64::from(sums[k].iter().sum::<f32>());
-        Found {
-            value: total(0),
-            rim: total(1),
-            own: Vec3::new(total(2), total(3), total(4)),
-            others: Vec3::new(total(5), total(6), total(7)),
+        sum(lo)
+    }
+
+    /// A density with a gradient, periodic.
+    struct Wave;
+
+    impl Density for Wave {
+        fn density(&self, x: Vec3) -> f64 {
+            (0.5 * (2.0 * PI * x.x / SIZE).sin()).exp()
         }
+
+        fn log_gradient(&self, x: Vec3) -> Vec3 {
+            Vec3::x() * (PI / SIZE * (2.0 * PI * x.x / SIZE).cos())
+        }
+    }
+
+    #[test]
+    fn force_is_the_gradient_of_the_energy() {
+        for axes in [[true; 3], [true, true, false]] {
+            let domain = box_of(axes);
+            let n = 250;
+            let volume = domain.volume() / n as f64;
+            let mut glass = Glass::new(scattered(n, &domain), |_| volume, domain, &Wave);
+            for _ in 0..30 {
+                glass.measure();
+            }
+            for i in [0, 117, 249] {
+                let n = number_density(glass.x[i], &glass.x, &domain);
+                assert!((glass.density[i] / n - 1.0).abs() < 1e-5, "{n}");
+                for axis in (0..3).filter(|&axis| axes[axis]) {
+                    let energy = |d: f64| -> f64 {
+                        let mut x = glass.x.clone();
+                        x[i][axis] += d;
+                        let one =
+                            |&y: &Vec3| number_density(y, &x, &domain).ln() - Wave.density(y).ln();
+                        x.iter().map(one).sum()
+                    };
+                    let d = 1e-4;
+                    let exact = -(energy(d) - energy(-d)) / (2.0 * d);
+                    let error = (glass.force[i][axis] - exact) * glass.support[i];
+                    assert!(error.abs() < 1e-4, "{error} of {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_at_rest_have_the_wanted_density() {
+        let domain = box_of([true; 3]);
+        let block = Block::new(Vec3::zeros(), Vec3::repeat(SIZE));
+        let x = block.glass(SIZE / 16.0, 1, Purpose::GasPositions);
+        let mean = x.len() as f64 / domain.volume();
+        let noise = |x: &[Vec3]| {
+            let square = |i: usize| (number_density(x[i], x, &domain) / mean - 1.0).powi(2);
+            ((0..100).map(|k| square(k * x.len() / 100)).sum::<f64>() / 100.0).sqrt()
+        };
+        let settled = noise(&x);
+        assert!(settled < 0.02, "{settled}");
+    }
+
+    #[test]
+    fn the_same_bits_for_any_number_of_threads() {
+        let domain = box_of([true; 3]);
+        let n = 3000;
+        let volume = domain.volume() / n as f64;
+        let settled = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .expect("a thread pool");
+            pool.install(|| {
+                let mut glass = Glass::new(scattered(n, &domain), |_| volume, domain, &Wave);
+                glass.settle(12);
+                (glass.x, glass.support)
+            })
+        };
+        let one = settled(1);
+        assert!([2, 7].into_iter().all(|threads| settled(threads) == one));
+        assert!(
+            one.0
+                .iter()
+                .all(|x| (0..3).all(|a| x[a] >= 0.0 && x[a] < SIZE))
+        );
     }
 }

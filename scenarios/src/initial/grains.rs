@@ -127,3 +127,85 @@ impl Grains {
         radii
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::disk::tests::flat;
+    use super::*;
+
+    fn grains() -> Grains {
+        Grains {
+            particles: 8000,
+            mass: 1e-6,
+            sizes: Sizes::PowerLaw {
+                min: 1e-3,
+                max: 1.0,
+                slope: -3.5,
+            },
+            material_density: 1.5,
+            scale_height: 0.2,
+        }
+    }
+
+    #[test]
+    fn radii_follow_the_power_law_in_every_neighbourhood() {
+        for slope in [-3.5, -4.0, -5.0] {
+            let sizes = Sizes::PowerLaw {
+                min: 1e-3,
+                max: 1.0,
+                slope,
+            };
+            // Mass between radii as an integral of a^3 dn.
+            let mass = |from: f64, to: f64| -> f64 {
+                let n = 20_000;
+                let step = (to / from).ln() / f64::from(n);
+                let at = |k: i32| from * ((f64::from(k) + 0.5) * step).exp();
+                (0..n).map(|k| at(k).powf(slope + 4.0) * step).sum()
+            };
+            for u in [0.01, 0.3, 0.9] {
+                let part = mass(1e-3, sizes.quantile(u)) / mass(1e-3, 1.0);
+                assert!((part - u).abs() < 1e-6, "{part} {u}");
+            }
+            let radii = Grains { sizes, ..grains() }.radii(1000);
+            let (few, u) = (&radii[488..520], 0.37);
+            let below = few.iter().filter(|&&a| a < sizes.quantile(u)).count();
+            // Thirty-two in a row differ from an even share by at most one and a half.
+            assert!((below as f64 - 32.0 * u).abs() < 1.5, "{below}");
+            let mut sorted = radii;
+            sorted.sort_by(f64::total_cmp);
+            for (k, a) in sorted.iter().enumerate() {
+                assert!((a / sizes.quantile((k as f64 + 0.5) / 1000.0) - 1.0).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn dust_follows_the_disk_in_its_own_thickness() {
+        let disk = Disk {
+            particles: 1000,
+            outer_radius: 2.0,
+            ..flat()
+        };
+        let co_moving = |x: Vec3, _: f64| disk.rotation(x, 0.0);
+        let dust = grains().disk(&disk, Resolution::default(), 1, 50, co_moving);
+        assert_eq!((dust.id[0], dust.id[7999]), (50, 8049));
+        assert!((dust.m.iter().sum::<f64>() / 1e-6 - 1.0).abs() < 1e-12);
+        assert!(dust.h.iter().all(|h| *h > 0.0) && dust.v[3] == disk.rotation(dust.x[3], 0.0));
+        let height = |x: &Vec3| x.z / disk.scale_height(x.xy().norm());
+        let rms = (dust.x.iter().map(|x| height(x).powi(2)).sum::<f64>() / 8000.0).sqrt();
+        assert!((rms / 0.2 - 1.0).abs() < 0.02, "{rms}");
+        let layer = Layer::new(&disk, 1.0);
+        for u in [0.2, 0.5, 0.8] {
+            let edge = layer.radius(u);
+            let inside = dust.x.iter().filter(|x| x.xy().norm() < edge).count() as f64 / 8000.0;
+            assert!((inside - u).abs() < 0.01, "{inside} {u}");
+        }
+        let sheet = Grains {
+            scale_height: 0.0,
+            particles: 500,
+            ..grains()
+        };
+        let sheet = sheet.disk(&disk, Resolution::default(), 1, 0, co_moving);
+        assert!(sheet.x.iter().all(|x| x.z.abs() < 1e-15) && sheet.non_finite().is_none());
+    }
+}
