@@ -38,6 +38,8 @@ pub struct System {
     pub bodies: Bodies,
     pub pace: Pace,
     pub seen: Seen,
+    /// Whether the star's pull on bodies is in their kick, and so in their `a`.
+    pub star_in_kick: bool,
     /// Impulses (momenta) that star and bodies receive at their next tick.
     pub pending_star: Vec<Vec3>,
     pub pending_bodies: Vec<Vec3>,
@@ -66,6 +68,7 @@ impl System {
             bodies: Bodies::default(),
             pace: Pace::default(),
             seen: Seen::default(),
+            star_in_kick: false,
             pending_star: Vec::new(),
             pending_bodies: Vec::new(),
             gas: Gas::default(),

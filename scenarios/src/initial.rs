@@ -2,6 +2,7 @@
 
 pub mod belt;
 pub mod disk;
+pub mod from_file;
 pub mod glass;
 pub mod grains;
 pub mod lattice;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The program `tridisk`.
+
+fn main() -> std::process::ExitCode {
+    tridisk::command_line::main()
+}

@@ -92,8 +92,9 @@ impl Scene {
 pub struct Facts {
     dimensions: usize,
     gravity: f64,
-    /// Not a number without a star.
+    /// Not a number without a good star.
     star_mass: f64,
+    has_star: bool,
     has_file: bool,
     has_gas: bool,
     has_disk: bool,
@@ -136,6 +137,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         dimensions: domain.dimensions(),
         gravity: constant,
         star_mass: star.map_or(f64::NAN, |star| star.mass),
+        has_star: root.has("star"),
         has_file: initial_file.is_some(),
         has_gas: root.has("gas"),
         has_disk: root.section("gas").has("disk"),

@@ -57,6 +57,11 @@ impl Door {
         self.problems.borrow_mut().push((place.clone(), sentence));
     }
 
+    /// Whether nothing has been found wrong.
+    pub fn is_content(&self) -> bool {
+        self.problems.borrow().is_empty()
+    }
+
     /// All problems in the order of the file.
     pub fn into_problems(self) -> Vec<(Place, String)> {
         let mut problems = self.problems.into_inner();
@@ -373,6 +378,11 @@ impl<'a> Section<'a> {
                 self.wrong(key, sentence);
             }
         }
+    }
+
+    /// Says nothing of keys whose meaning hangs on a value that was refused.
+    pub fn pass_over(&self, keys: &[&'static str]) {
+        self.known.borrow_mut().extend(keys);
     }
 
     /// Says of keys that the file has that they are not to be had yet.

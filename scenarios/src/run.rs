@@ -88,7 +88,7 @@ pub fn resume(folder: &Path, options: &Options) -> Result<Outcome, RunError> {
     }
     let saved = saved::read(&folder.join("checkpoint.hdf5"), &scene)?;
     let watch = Stopwatch::new(saved.laps, saved.wall_s);
-    let folder = Folder::reopened(folder, &scene, saved.rows)?;
+    let folder = Folder::reopened(folder, saved.rows)?;
     Run::new(scene, saved.system, folder, watch, options).go()
 }
 
@@ -175,7 +175,7 @@ impl Run {
     fn checkpoint(&mut self) -> Result<(), RunError> {
         self.watch.enter(Phase::Output);
         self.watch.stop();
-        saved::write(&self.folder.path("checkpoint.hdf5"), &self.system, &self.watch, self.folder.rows())?;
+        saved::write(&self.folder.path("checkpoint.hdf5"), &self.system, &self.watch, self.folder.rows()?)?;
         self.saved = Instant::now();
         Ok(())
     }

@@ -80,6 +80,7 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
     if tables
         .iter()
         .all(|table| named(complaints.entries, table).is_none())
+        && complaints.door.is_content()
     {
         complaints.door.report(
             &Place::Line(0),

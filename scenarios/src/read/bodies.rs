@@ -16,13 +16,15 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
     }
     let given = section.whole("number", 0, MOST_PARTICLES);
     let number = given.unwrap_or(0) as usize;
-    if number == 0 && section.present && !facts.has_planets && !facts.has_file {
+    let nobody = number == 0 && !facts.has_planets && !facts.has_file;
+    if nobody && section.present && (given.is_some() || !section.has("number")) {
         section.wrong(
             "number",
             "needs number, at least 1, a [[planet]] or an initial.file",
         );
     }
-    let belt = Belt::of(&section, number);
+    let blamed = nobody || (given.is_none() && section.has("number"));
+    let belt = Belt::of(&section, number, blamed);
     let softening = section.quantity("softening", Kind::LENGTH, Range::NOT_NEGATIVE);
     let bodies = Planetesimals {
         number,
@@ -39,7 +41,7 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
         drag: drag(&section, facts, number),
         collisions: collisions(&section),
     };
-    if number > 0 && facts.star_mass.is_nan() {
+    if number > 0 && !facts.has_star {
         section.wrong("number", "needs a [star] to orbit");
     }
     section.close();
@@ -59,7 +61,8 @@ struct Belt {
 }
 
 impl Belt {
-    fn of(section: &Section<'_>, number: usize) -> Self {
+    /// `blamed`: that there is no number of planetesimals has been said.
+    fn of(section: &Section<'_>, number: usize, blamed: bool) -> Self {
         let mass = body_mass(section, number);
         let inner = section.quantity("inner_radius", Kind::LENGTH, Range::POSITIVE);
         let outer = section.quantity("outer_radius", Kind::LENGTH, Range::POSITIVE);
@@ -67,6 +70,9 @@ impl Belt {
         let eccentricity = section.number("eccentricity", Range::ECCENTRICITY);
         let inclination = section.quantity("inclination", Kind::ANGLE, INCLINATION);
         let density = section.quantity("density", Kind::DENSITY, Range::NOT_NEGATIVE);
+        if number == 0 && blamed {
+            return Self::default();
+        }
         if number == 0 {
             section.misplaced(
                 &[
@@ -278,7 +284,7 @@ fn elements(section: &Section<'_>, facts: &Facts) -> Orbit {
         argument_of_pericentre: angle("argument_of_pericentre"),
         mean_anomaly: angle("mean_anomaly"),
     };
-    if facts.star_mass.is_nan() {
+    if !facts.has_star {
         section.wrong(
             "semi_major_axis",
             "needs a [star] to orbit; without one give position and velocity",

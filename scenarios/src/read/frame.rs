@@ -95,21 +95,20 @@ fn snapshots(section: &Section<'_>, end_time: f64) -> Snapshots {
 pub fn domain(root: &Section<'_>) -> Domain {
     let section = root.section("domain");
     let kinds = [("open", false), ("periodic", true)];
-    let periodic = section
-        .choice("kind", &kinds, &["shearing-box"])
-        .unwrap_or(false);
-    section.later(&["rate", "shear"]);
-    let boundary = if periodic {
-        let size = section.vector("size", Kind::LENGTH);
-        if size.is_some_and(|size| size.iter().any(|&length| length <= 0.0)) {
-            section.wrong("size", "must be greater than 0 along every axis");
+    let kind = section.choice("kind", &kinds, &["shearing-box"]);
+    if section.has("kind") && kind.is_none() {
+        section.pass_over(&["size", "rate", "shear"]);
+    }
+    if kind.is_some() || !section.has("kind") {
+        section.later(&["rate", "shear"]);
+    }
+    let boundary = match kind {
+        Some(true) => periodic(&section),
+        None if section.has("kind") => Boundary::Open,
+        _ => {
+            section.misplaced(&["size"], "belongs to kind = \"periodic\"");
+            Boundary::Open
         }
-        let what = "the lengths [x, y, z] of the periodic box";
-        let size = section.required("size", size, what, Vec3::repeat(f64::NAN));
-        Boundary::Periodic { size }
-    } else {
-        section.misplaced(&["size"], "belongs to kind = \"periodic\"");
-        Boundary::Open
     };
     let dimensions = section.whole("dimensions", 2, 3).unwrap_or(3);
     let planes = [("xy", [true, true, false]), ("xz", [true, false, true])];
@@ -124,6 +123,18 @@ pub fn domain(root: &Section<'_>) -> Domain {
     };
     section.close();
     Domain { boundary, axes }
+}
+
+fn periodic(section: &Section<'_>) -> Boundary {
+    let nowhere = Vec3::repeat(f64::NAN);
+    let size = section.vector("size", Kind::LENGTH);
+    let what = "the lengths [x, y, z] of the periodic box";
+    let size = section.required("size", size, what, nowhere);
+    if size.iter().any(|&length| length <= 0.0) {
+        section.wrong("size", "must be greater than 0 along every axis");
+        return Boundary::Periodic { size: nowhere };
+    }
+    Boundary::Periodic { size }
 }
 
 pub fn star(root: &Section<'_>) -> Option<Star> {

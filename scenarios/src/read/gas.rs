@@ -141,7 +141,7 @@ fn locally_isothermal(section: &Section<'_>, facts: &Facts, mean_molecular_weigh
     let aspect_ratio = section.required("aspect_ratio", ratio, "such as 0.05", f64::NAN);
     let exponent = section.number("exponent", Range::ANY).unwrap_or(0.25);
     let reference_radius = reference_radius(section);
-    if facts.star_mass.is_nan() {
+    if !facts.has_star {
         section.wrong(
             "kind",
             "needs a [star], about which the sound speed is laid out",
@@ -168,7 +168,7 @@ fn disk(gas: &Section<'_>, facts: &Facts, eos: &Eos) -> Option<Disk> {
     if !section.present {
         return None;
     }
-    if facts.star_mass.is_nan() {
+    if !facts.has_star {
         section.wrong("", "needs a [star] to orbit");
     }
     let amount = disk_amount(&section);
@@ -306,8 +306,15 @@ pub fn block(section: Section<'_>, facts: &Facts) -> Block {
 
 fn cooling(gas: &Section<'_>) -> Cooling {
     let section = gas.section("cooling");
-    section.choice("kind", &[("none", Cooling::None)], &["beta"]);
-    section.later(&["beta"]);
+    let kind = section.choice("kind", &[("none", Cooling::None)], &["beta"]);
+    if section.has("kind") && kind.is_none() {
+        section.pass_over(&["beta"]);
+    } else {
+        section.misplaced(
+            &["beta"],
+            "belongs to kind = \"beta\", which is not available in this version",
+        );
+    }
     section.close();
     Cooling::None
 }

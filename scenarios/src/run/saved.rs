@@ -6,7 +6,7 @@ use coupling::ledger::{Census, Entry, Totals};
 use coupling::{Pace, System};
 use dust::{Dust, Superparticles};
 use gas::{Gas, Particles};
-use nbody::points::{Clock, Columns, Vec3};
+use nbody::points::{Clock, Vec3};
 
 use crate::checkpoint::{Checkpoint, Draft, Fact};
 use crate::hdf::FileError;

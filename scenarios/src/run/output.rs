@@ -1,0 +1,267 @@
+//! What a run writes into its folder, and the checks it makes on the way.
+
+use std::path::{Path, PathBuf};
+
+use coupling::accretion::Event;
+use coupling::ledger::Report;
+use coupling::{Phase as Part, System};
+use nbody::Bodies;
+use nbody::points::{ColumnRef, Columns, Dimension, Fault, Label, Population, Vec3};
+
+use super::RunError;
+use crate::atomic::publish_bytes;
+use crate::history::{EVENT_HEAD, LedgerRow, Phase, Table, Timings, push_event};
+use crate::populate::molecules;
+use crate::scene::{Eos, Scene};
+use crate::snapshot::{self, Group};
+use crate::stopwatch::Stopwatch;
+
+/// The folder of a run with its open histories.
+pub struct Folder {
+    path: PathBuf,
+    ledger: Table,
+    events: Table,
+}
+
+impl Folder {
+    /// The folder of a new run.
+    pub fn new(path: &Path, scene: &Scene) -> Result<Self, RunError> {
+        publish_bytes(&path.join("scene.toml"), scene.to_toml().as_bytes())?;
+        let ledger = Table::create(&path.join("ledger.csv"), &LedgerRow::HEAD)?;
+        let events = Table::create(&path.join("events.csv"), &EVENT_HEAD)?;
+        Ok(Self { path: path.to_path_buf(), ledger, events })
+    }
+
+    /// The folder of a run that goes on from a checkpoint at which the histories had `rows`.
+    pub fn reopened(path: &Path, rows: [u64; 2]) -> Result<Self, RunError> {
+        let ledger = Table::resume(&path.join("ledger.csv"), &LedgerRow::HEAD, rows[0])?;
+        let events = Table::resume(&path.join("events.csv"), &EVENT_HEAD, rows[1])?;
+        Ok(Self { path: path.to_path_buf(), ledger, events })
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Rows of the ledger and of the events so far, all of them on the disk.
+    pub fn rows(&self) -> Result<[u64; 2], RunError> {
+        self.ledger.settle()?;
+        self.events.settle()?;
+        Ok([self.ledger.rows(), self.events.rows()])
+    }
+
+    pub fn report(&mut self, row: &Report, events: &[Event]) -> Result<(), RunError> {
+        for event in events {
+            push_event(event, &mut self.events)?;
+        }
+        ledger_row(row).push_to(&mut self.ledger)?;
+        Ok(())
+    }
+
+    pub fn timings(&self, watch: &Stopwatch, steps: u64) -> Result<(), RunError> {
+        let phase = |part: Part| {
+            let lap = watch.laps[part as usize];
+            let counts = |n: u64| (part != Part::Tree && part != Part::Output).then_some(n);
+            let interactions = (part == Part::Gravity).then_some(lap.interactions);
+            (part.name(), Phase { cpu_s: lap.cpu_s, calls: lap.calls, targets: counts(lap.targets), interactions })
+        };
+        let timings = Timings {
+            wall_s: watch.wall_s(),
+            cpu_s: watch.cpu_s(),
+            threads: rayon::current_num_threads(),
+            steps,
+            phases: Part::ALL.map(phase).to_vec(),
+        };
+        Ok(timings.write(&self.path("timings.json"))?)
+    }
+
+    /// Writes the state as it stands, closed at `now`.
+    pub fn snapshot(&self, number: usize, scene: &Scene, system: &System, now: f64) -> Result<(), RunError> {
+        let extra = Extra::of(scene, system);
+        let path = self.path(&format!("snapshot_{number:04}.hdf5"));
+        snapshot::write(&path, scene, now, &extra.groups(scene, system))?;
+        Ok(())
+    }
+}
+
+fn ledger_row(report: &Report) -> LedgerRow {
+    LedgerRow {
+        time: report.time,
+        mass_gas: report.mass[0],
+        mass_dust: report.mass[1],
+        mass_planetesimals: report.mass[2],
+        mass_star: report.mass[3],
+        momentum: report.momentum,
+        angular_momentum: report.angular_momentum,
+        kinetic_energy: report.kinetic,
+        internal_energy: report.internal,
+        potential_energy: report.potential,
+        radiated_energy: report.radiated,
+        accreted_gas: report.accreted[0],
+        accreted_dust: report.accreted[1],
+        accreted_planetesimals: report.accreted[2],
+        error_mass: report.error_mass,
+        error_momentum: report.error_momentum,
+        error_angular_momentum: report.error_angular_momentum,
+        error_energy: report.error_energy,
+    }
+}
+
+/// Datasets of a snapshot that no population keeps.
+struct Extra {
+    temperatures: Vec<f64>,
+    swarm_numbers: Vec<f64>,
+    body_densities: Vec<f64>,
+    accelerations: [Vec<Vec3>; 4],
+}
+
+const TEMPERATURE: Label = Label::snapshot("Temperatures", Dimension::TEMPERATURE, "temperature");
+const SWARM_NUMBER: Label = Label::snapshot("SwarmNumbers", Dimension::NONE, "grains in the swarm");
+const BODY_DENSITY: Label = Label::snapshot("Densities", Dimension::DENSITY, "mean density; zero for a point");
+const ACCELERATION: Label = Label::snapshot("Accelerations", Dimension::ACCELERATION, "acceleration by everything but drag");
+const GRAVITY: Label = Label::snapshot("GravitationalAccelerations", Dimension::ACCELERATION, "acceleration by gravity");
+const POTENTIAL: Label = Label::snapshot("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential");
+
+fn volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+impl Extra {
+    fn of(scene: &Scene, system: &System) -> Self {
+        let (gas, dust, bodies) = (&system.gas, &system.dust.particles, &system.bodies);
+        let mut extra = Self {
+            temperatures: temperatures(scene, system),
+            swarm_numbers: dust_numbers(&dust.m, &dust.grain_radius, &dust.grain_density),
+            body_densities: bodies.m.iter().zip(&bodies.radius).map(|(m, &r)| if r > 0.0 { m / volume(r) } else { 0.0 }).collect(),
+            accelerations: Default::default(),
+        };
+        if scene.run.write_accelerations {
+            let star = central_pulls(system);
+            extra.accelerations = [
+                (0..gas.len()).map(|i| gas.acceleration(i)).collect(),
+                system.dust.rates.gravity.clone(),
+                star,
+                system.star.a.clone(),
+            ];
+        }
+        extra
+    }
+
+    fn groups<'a>(&'a self, scene: &Scene, system: &'a System) -> Vec<Group<'a>> {
+        let mut groups = Vec::new();
+        let (gas, dust) = (&system.gas, &system.dust);
+        let moving = scene.run.write_accelerations;
+        let forces = |group: Group<'a>, all: &'a [Vec3], gravity: &'a [Vec3], potential: &'a [f64]| {
+            if !moving {
+                return group;
+            }
+            group
+                .with_column(ACCELERATION, ColumnRef::Vector(all))
+                .with_column(GRAVITY, ColumnRef::Vector(gravity))
+                .with_column(POTENTIAL, ColumnRef::Real(potential))
+        };
+        let [a_gas, a_dust, a_bodies, a_star] = &self.accelerations;
+        if !gas.is_empty() {
+            let group = Group::new(0).with(&gas.particles).with(&gas.derived);
+            let group = group.with_column(TEMPERATURE, ColumnRef::Real(&self.temperatures));
+            groups.push(forces(group, a_gas, &gas.rates.gravity, &gas.rates.potential));
+        }
+        if !system.bodies.is_empty() {
+            let group = Group::new(1).with(&system.bodies).with_column(BODY_DENSITY, ColumnRef::Real(&self.body_densities));
+            groups.push(forces(group, a_bodies, a_bodies, &system.bodies.potential));
+        }
+        if !dust.is_empty() {
+            let group = Group::new(2).with(&dust.particles).with(&dust.derived);
+            let group = group.with_column(SWARM_NUMBER, ColumnRef::Real(&self.swarm_numbers));
+            groups.push(forces(group, a_dust, &dust.rates.gravity, &dust.rates.potential));
+        }
+        if !system.star.is_empty() {
+            let group = Group::new(4).with(&system.star);
+            groups.push(forces(group, a_star, a_star, &system.star.potential));
+        }
+        groups
+    }
+}
+
+fn dust_numbers(m: &[f64], radius: &[f64], density: &[f64]) -> Vec<f64> {
+    let number = |i: usize| {
+        let grain = density[i] * volume(radius[i]);
+        if grain > 0.0 { m[i] / grain } else { 0.0 }
+    };
+    (0..m.len()).map(number).collect()
+}
+
+/// T = mu m_H c^2 / k_B with the isothermal sound speed c, in kelvin; without physical units, k_B = m_H = 1.
+fn temperatures(scene: &Scene, system: &System) -> Vec<f64> {
+    /// Boltzmann's constant, erg/K (SI 2019).
+    const BOLTZMANN: f64 = 1.380_649e-16;
+    let Some(gas) = &scene.gas else { return Vec::new() };
+    let (Eos::Ideal { mean_molecular_weight, .. }
+    | Eos::Isothermal { mean_molecular_weight, .. }
+    | Eos::LocallyIsothermal { mean_molecular_weight, .. }) = gas.eos;
+    let factor = if scene.units.system == crate::units::System::Dimensionless {
+        mean_molecular_weight
+    } else {
+        let speed = scene.units.length / scene.units.time;
+        molecules(scene).mass * scene.units.mass * speed * speed / BOLTZMANN
+    };
+    let d = &system.gas.derived;
+    d.p.iter().zip(&d.rho).map(|(p, rho)| if *rho > 0.0 { factor * p / rho } else { 0.0 }).collect()
+}
+
+/// Accelerations of the bodies, the star's pull with them where their integrator has it.
+fn central_pulls(system: &System) -> Vec<Vec3> {
+    let bodies: &Bodies = &system.bodies;
+    let mut a = bodies.a.clone();
+    if !system.star_in_kick
+        && let Some(&centre) = system.star.x.first()
+    {
+        for (a, x) in a.iter_mut().zip(&bodies.x) {
+            let r = centre - x;
+            *a += r * (system.g * system.star.m[0] / r.norm().powi(3));
+        }
+    }
+    a
+}
+
+/// Whether every number that a snapshot would show is finite.
+pub fn finite(system: &System, time: f64) -> Result<(), RunError> {
+    let (gas, dust) = (&system.gas.particles, &system.dust.particles);
+    let sets: [(Population, &dyn Columns, &[u64]); 4] = [
+        (Population::Gas, gas, &gas.id),
+        (Population::Dust, dust, &dust.id),
+        (Population::Planetesimals, &system.bodies, &system.bodies.id),
+        (Population::Star, &system.star, &system.star.id),
+    ];
+    for (population, set, ids) in sets {
+        if let Some((quantity, i)) = set.non_finite() {
+            return Err(Fault::NonFinite { population, id: ids[i], quantity, time }.into());
+        }
+    }
+    Ok(())
+}
+
+/// The largest relative errors of conserved sums that a run goes on with.
+const BARS: [(&str, f64); 3] = [("mass", 1e-10), ("momentum", 1e-2), ("angular momentum", 1e-2)];
+
+/// Whether what must be conserved is.
+pub fn conserved(row: &Report) -> Result<(), RunError> {
+    let errors = [row.error_mass, row.error_momentum, row.error_angular_momentum];
+    for ((quantity, bar), error) in BARS.into_iter().zip(errors) {
+        if error.is_nan() || error.abs() > bar {
+            return Err(Fault::NotConserved { quantity, error, bar, time: row.time }.into());
+        }
+    }
+    Ok(())
+}
+
+/// A few words on the state, beside the progress bar.
+pub fn state_line(scene: &Scene, row: &Report) -> String {
+    let time = row.time * scene.units.time;
+    let time = if scene.units.system == crate::units::System::Dimensionless {
+        format!("t = {:.4}", row.time)
+    } else {
+        format!("{:.2} yr", time / 3.155_76e7)
+    };
+    format!("{time}  dL/L {:.1e}  dE/E {:.1e}", row.error_angular_momentum, row.error_energy)
+}
