@@ -10,7 +10,7 @@
 //! | Gauss-Radau | all bodies and the star on each other, adaptive | gas and dust |
 
 pub mod central;
-//GR
+pub mod gauss_radau;
 pub mod leapfrog;
 #[cfg(test)]
 mod problems;

@@ -1,0 +1,120 @@
+//! Speed and energy error of the integrators on the Sun and the four giants: `cargo run --release --example outer_solar_system [years]`.
+
+use std::time::Instant;
+
+use nbody::Bodies;
+use nbody::integrators::gauss_radau::GaussRadau;
+use nbody::integrators::{kick, wisdom_holman};
+use nbody::points::{Columns, Vec3};
+
+const G: f64 = 0.000_295_912_208_286;
+const YEAR: f64 = 365.25;
+
+/// Masses, positions (au) and velocities (au a day) of Hairer, Lubich & Wanner (2006), I.2.3.
+#[rustfmt::skip]
+const SYSTEM: [(f64, [f64; 3], [f64; 3]); 5] = [
+    (1.00000597682, [0.0; 3], [0.0; 3]),
+    (0.000954786104043, [-3.5023653, -3.8169847, -1.5507963], [0.00565429, -0.0041249, -0.00190589]),
+    (0.000285583733151, [9.0755314, -3.0458353, -1.6483708], [0.00168318, 0.00483525, 0.00192462]),
+    (4.37273164546e-05, [8.310142, -16.2901086, -7.2521278], [0.00354178, 0.00137102, 0.00055029]),
+    (5.17759138449e-05, [11.4707666, -25.7294829, -10.8169456], [0.0028893, 0.00114527, 0.00039677]),
+];
+
+fn bodies(part: &[(f64, [f64; 3], [f64; 3])]) -> Bodies {
+    let mut set = Bodies::default();
+    set.resize(part.len());
+    for (i, &(m, x, v)) in part.iter().enumerate() {
+        (set.m[i], set.x[i], set.v[i]) = (m, x.into(), v.into());
+    }
+    set
+}
+
+fn pulls(m: &[f64], x: &[Vec3], a: &mut [Vec3]) {
+    a.fill(Vec3::zeros());
+    for i in 0..m.len() {
+        for j in i + 1..m.len() {
+            let d = x[j] - x[i];
+            let r2 = d.norm_squared();
+            let f = d * (G / (r2 * r2.sqrt()));
+            a[i] += f * m[j];
+            a[j] -= f * m[i];
+        }
+    }
+}
+
+fn energy(m: &[f64], x: &[Vec3], v: &[Vec3]) -> f64 {
+    let of = |i: usize| {
+        let potential: f64 = (0..i).map(|j| -G * m[j] / (x[i] - x[j]).norm()).sum();
+        m[i] * (0.5 * v[i].norm_squared() + potential)
+    };
+    (0..m.len()).map(of).sum()
+}
+
+/// Largest energy error in the first and in the last tenth, the mean error of both, and steps a second.
+fn map(years: f64, dt: f64) {
+    let (mut star, mut set) = (bodies(&SYSTEM[..1]), bodies(&SYSTEM[1..]));
+    let total = |star: &Bodies, set: &Bodies| {
+        let join = |a: &[Vec3], b: &[Vec3]| [a, b].concat();
+        energy(
+            &[&star.m[..], &set.m[..]].concat(),
+            &join(&star.x, &set.x),
+            &join(&star.v, &set.v),
+        )
+    };
+    let start = total(&star, &set);
+    let steps = (years * YEAR / dt) as usize;
+    let clock = Instant::now();
+    let mut tenths = [(0f64, 0f64, 0usize); 10];
+    pulls(&set.m, &set.x, &mut set.a);
+    for step in 0..steps {
+        kick(&mut set.v, &set.a, 0.5 * dt);
+        wisdom_holman::drift(&mut star, &mut set, G, dt).expect("orbits");
+        pulls(&set.m, &set.x, &mut set.a);
+        kick(&mut set.v, &set.a, 0.5 * dt);
+        if step % 23 == 0 {
+            let error = total(&star, &set) / start - 1.0;
+            let tenth = &mut tenths[step * 10 / steps];
+            *tenth = (tenth.0.max(error.abs()), tenth.1 + error, tenth.2 + 1);
+        }
+    }
+    let rate = steps as f64 / clock.elapsed().as_secs_f64();
+    let [first, last] = [tenths[0], tenths[9]].map(|t| (t.0, t.1 / t.2 as f64));
+    println!(
+        "Wisdom-Holman, dt {dt} d, {years} yr: max |dE/E| {:.2e} first tenth, {:.2e} last; mean {:+.2e}, {:+.2e}; {rate:.2e} steps/s",
+        first.0, last.0, first.1, last.1
+    );
+}
+
+fn adaptive(years: f64) {
+    let all = bodies(&SYSTEM);
+    let mut radau = GaussRadau::new(0.0, &all.x, &all.v);
+    let start = energy(&all.m, &all.x, &all.v);
+    let mut evaluations = 0u64;
+    let clock = Instant::now();
+    for tenth in 1..=10 {
+        let end = years * YEAR * f64::from(tenth) / 10.0;
+        radau
+            .advance_to(end, |x, a| {
+                evaluations += 1;
+                pulls(&all.m, x, a)
+            })
+            .expect("a way");
+        let error = energy(&all.m, radau.x(), radau.v()) / start - 1.0;
+        print!("{error:+.1e} ");
+    }
+    let seconds = clock.elapsed().as_secs_f64();
+    println!(
+        "\nGauss-Radau, {years} yr: errors above; {evaluations} forces, {:.2e} forces/s, {seconds} s",
+        evaluations as f64 / seconds
+    );
+}
+
+fn main() {
+    let years = std::env::args()
+        .nth(1)
+        .and_then(|y| y.parse().ok())
+        .unwrap_or(1e4);
+    map(years, 100.0);
+    map(years, 0.1186 * YEAR);
+    adaptive(years);
+}
