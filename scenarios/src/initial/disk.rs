@@ -124,10 +124,9 @@ impl Disk {
             let d = 1e-4;
             (l2(radius * f64::exp(d)) / l2(radius * f64::exp(-d))).ln() / (2.0 * d)
         };
-        // A NaN must not be lost, as `min` would lose it.
-        (0..=n)
-            .map(slope)
-            .fold(f64::INFINITY, |least, s| if s >= least { least } else { s })
+        // `f64::min` would lose a NaN.
+        let least = |a: f64, b: f64| if a <= b || a.is_nan() { a } else { b };
+        (0..=n).map(slope).fold(f64::INFINITY, least)
     }
 
     /// The disk as equal-mass particles, settled, in balanced rotation about a star at rest in the origin, which is their centre of mass.
@@ -175,6 +174,10 @@ impl Disk {
 
     fn check(&self) {
         assert!(
+            self.particles >= 64,
+            "a gas disk has enough particles for one kernel"
+        );
+        assert!(
             self.aspect_ratio > 0.0 && self.taper > 0.0,
             "a disk has a thickness and edges of some width"
         );
@@ -193,6 +196,8 @@ impl Disk {
 pub(super) mod tests {
     use std::f64::consts::PI;
     use std::sync::OnceLock;
+
+    use nbody::points::Columns;
 
     use super::*;
 
@@ -399,6 +404,17 @@ pub(super) mod tests {
             assert!((ratio - 1.0).abs() < bar, "{ratio} from {a} to {b}");
             let height = rms(ring.iter().map(|x| x.z / disk.scale_height(x.xy().norm())));
             assert!((height - 1.0).abs() < 0.01, "{height} from {a} to {b}");
+        }
+    }
+
+    #[test]
+    fn few_particles_and_thick_disks_stay_finite() {
+        for particles in [64, 300] {
+            for disk in [flat(), thick()] {
+                let disk = Disk { particles, ..disk };
+                let gas = disk.gas(Resolution::default(), 1, 0);
+                assert!(gas.len() == particles && gas.non_finite().is_none());
+            }
         }
     }
 

@@ -80,9 +80,7 @@ impl Grains {
     ) -> Superparticles {
         assert!(self.scale_height >= 0.0, "a scale height is not negative");
         let mut random = stream(seed, Purpose::DustPositions, 0, 0);
-        let mut x = Layer::new(disk, self.scale_height).pressed(self.particles, &mut random);
-        let centre = x.iter().sum::<Vec3>() / x.len().max(1) as f64;
-        x.iter_mut().for_each(|x| *x -= centre);
+        let x = Layer::new(disk, self.scale_height).pressed(self.particles, &mut random);
         let mut dust = self.block(x, first_id);
         for i in 0..dust.x.len() {
             dust.v[i] = velocity(dust.x[i], dust.grain_radius[i]);
@@ -200,6 +198,12 @@ mod tests {
             let inside = dust.x.iter().filter(|x| x.xy().norm() < edge).count() as f64 / 8000.0;
             assert!((inside - u).abs() < 0.01, "{inside} {u}");
         }
+        let one = Grains {
+            particles: 1,
+            ..grains()
+        };
+        let one = one.disk(&disk, Resolution::default(), 1, 0, co_moving);
+        assert!(one.len() == 1 && one.non_finite().is_none());
         let sheet = Grains {
             scale_height: 0.0,
             particles: 500,
