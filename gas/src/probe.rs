@@ -5,6 +5,7 @@
 //! Points further than the largest H from all gas see none: density 0.
 
 mod candidates;
+mod near;
 mod weights;
 
 use nbody::points::{Domain, Vec3};

@@ -73,6 +73,9 @@ pub struct Block {
     a: Vec<Vec3>,
 }
 
+/// How far beyond its last neighbourhood a particle first looks, by the radius.
+const MARGIN: f64 = 1.1;
+
 impl Block {
     /// Finds the gas around the members.
     pub fn link<I: Immersed>(
@@ -88,7 +91,7 @@ impl Block {
         let mut first = 0;
         while first < members.len() {
             let group = Group::new(immersed, &members[first..], domain);
-            let available = (1.15 * group.radius).min(radius(domain, reach.largest));
+            let available = (MARGIN * group.radius).min(radius(domain, reach.largest));
             let warm = group.radius > 0.0;
             if warm {
                 scratch

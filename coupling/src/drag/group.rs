@@ -9,7 +9,7 @@ use super::Immersed;
 const MOST: usize = 16;
 
 /// Largest extent of a group by the radius of its first member's neighbourhood.
-const EXTENT: f64 = 0.6;
+const EXTENT: f64 = 1.5;
 
 /// Ratio of the radii in a group.
 const RATIO: f64 = 1.5;

@@ -599,3 +599,54 @@ fn the_same_bits_come_out_for_any_number_of_threads() {
     let one = run(1);
     assert!(run(2) == one && run(7) == one);
 }
+
+#[test]
+#[ignore]
+fn timing() {
+    let n: usize = std::env::var("N").map_or(40, |n| n.parse().unwrap());
+    let jitter = |x: Vec<Vec3>| -> Vec<Vec3> {
+        let s = scattered(x.len(), 0.6, 0.1);
+        x.into_iter().zip(s).map(|(x, s)| x + s).collect()
+    };
+    let gas_ = gas(jitter(lattice(n, 0.0)), 1.0, |x| x * 0.01);
+    let dust_ = dust(jitter(lattice(n, 0.0)), 0.01, |x| x * 0.02);
+    let domain = Domain::periodic(Vec3::repeat(n as f64));
+    let mut scene = Box::new(gas_, dust_, domain, settings(StoppingLaw::Epstein));
+    let active = scene.active.clone();
+    let count = active.len() as f64;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    let reps: usize = std::env::var("REP").map_or(3, |n| n.parse().unwrap());
+    pool.install(|| {
+        for _ in 0..reps {
+            let t = std::time::Instant::now();
+            for _ in 0..3 {
+                for x in &mut scene.dust.particles.x {
+                    x.x += 0.02;
+                }
+                scene
+                    .exchange
+                    .prepare(&scene.gas, &mut grains(&mut scene.dust), &active, &domain);
+            }
+            let p = t.elapsed().as_secs_f64() / 3.0 / count;
+            let t = std::time::Instant::now();
+            for _ in 0..(3 * std::env::var("EX").map_or(1, |n| n.parse::<usize>().unwrap())) {
+                scene.half(0.01, Half::Opening);
+            }
+            let e = t.elapsed().as_secs_f64() / 4.0 / count;
+            println!(
+                "prepare {:.3} us, exchange {:.3} us a grain; pairs {}",
+                p * 1e6,
+                e * 1e6,
+                scene
+                    .exchange
+                    .blocks
+                    .iter()
+                    .map(|b| b.loads().count())
+                    .sum::<usize>()
+            );
+        }
+    });
+}

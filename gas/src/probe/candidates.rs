@@ -12,9 +12,19 @@ pub struct Candidates {
     pub(super) x: Vec<f64>,
     pub(super) y: Vec<f64>,
     pub(super) z: Vec<f64>,
-    pub(super) m: Vec<f64>,
-    pub(super) volume: Vec<f64>,
-    pub(super) index: Vec<u32>,
+    /// mass and volume
+    mass: Vec<[f64; 2]>,
+    index: Vec<u32>,
+}
+
+/// One of them.
+pub(super) struct Candidate {
+    pub x: f64,
+    pub y: f64,
+    pub z: f64,
+    pub m: f64,
+    pub volume: f64,
+    pub index: u32,
 }
 
 impl Candidates {
@@ -22,39 +32,61 @@ impl Candidates {
         self.index.len()
     }
 
+    /// The candidate at place k.
+    #[inline(always)]
+    pub(super) fn at(&self, k: usize) -> Candidate {
+        let mass = self.mass[k];
+        Candidate {
+            x: self.x[k],
+            y: self.y[k],
+            z: self.z[k],
+            m: mass[0],
+            volume: mass[1],
+            index: self.index[k],
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.index.is_empty()
     }
 
-    /// Collects all gas within `reach` of the box [lo, hi], images included, and some beyond.
+    /// Collects all gas within `reach` of the box [lo, hi], images included.
     pub fn gather(&mut self, gas: &Gas, domain: &Domain, lo: Vec3, hi: Vec3, reach: f64) {
         self.centre = 0.5 * (lo + hi);
-        for column in [
-            &mut self.x,
-            &mut self.y,
-            &mut self.z,
-            &mut self.m,
-            &mut self.volume,
-        ] {
-            column.clear();
-        }
-        self.index.clear();
+        let half = 0.5 * (hi - lo);
+        let counts = |axis: usize| f64::from(u8::from(domain.axes[axis]));
+        let axes = Vec3::new(counts(0), counts(1), counts(2));
         let (mut lo, mut hi) = (lo, hi);
         for axis in (0..3).filter(|&axis| !domain.axes[axis]) {
             // Distances along a missing axis do not count.
             (lo[axis], hi[axis]) = (f64::NEG_INFINITY, f64::INFINITY);
         }
+        let mut n = 0;
         gas.tree.near(domain, (lo, hi), reach, &[], |range, shift| {
+            self.resize(n + range.len());
+            let offset = shift - self.centre;
             for j in range {
-                let x = domain.in_plane(gas.particles.x[j] + shift - self.centre);
-                self.x.push(x.x);
-                self.y.push(x.y);
-                self.z.push(x.z);
-                self.m.push(gas.particles.m[j]);
-                self.volume.push(gas.particles.m[j] / gas.derived.rho[j]);
-                self.index.push(j as u32);
+                let x = (gas.particles.x[j] + offset).component_mul(&axes);
+                let gap = (x.abs() - half).sup(&Vec3::zeros());
+                // Written always, kept when near: no branch to mispredict.
+                (self.x[n], self.y[n], self.z[n]) = (x.x, x.y, x.z);
+                self.index[n] = j as u32;
+                n += usize::from(gap.norm_squared() < reach * reach);
             }
         });
+        self.resize(n);
+        self.mass.clear();
+        self.mass.extend(self.index.iter().map(|&j| {
+            let m = gas.particles.m[j as usize];
+            [m, m / gas.derived.rho[j as usize]]
+        }));
+    }
+
+    fn resize(&mut self, n: usize) {
+        for column in [&mut self.x, &mut self.y, &mut self.z] {
+            column.resize(n, 0.0);
+        }
+        self.index.resize(n, 0);
     }
 }
 

@@ -7,11 +7,13 @@
 //! Omega = I^-1 sum w s x f, s = r - b, I = sum w (s^2 1 - s s); the impulse to j is -w_j (J - (I^-1 (b x J)) x s_j), the adjoint of that.
 //! Where even I is singular: the normalised weights alone; then angular momentum is not kept.
 
+use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x8};
 use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
 use super::Reach;
 use super::candidates::{Candidates, radius_by_nearest_leaf};
+use super::near::{Kernel, LANES, Near, sum};
 use crate::Gas;
 
 /// How the weights of a point came about.
@@ -47,54 +49,14 @@ pub struct Weights {
     pub inverse_inertia: Matrix3<f64>,
     /// bound on |impulse to j| / (w_j |J|)
     pub gain: f64,
-    distance: Vec<f64>,
-    place: Vec<u32>,
+    near: Near,
     relative: [Vec<f64>; 3],
-}
-
-/// Radius of the Wendland C2 kernel by twice its standard deviation, (volume of the unit sphere) times W(0) H^d, and d.
-#[derive(Clone, Copy)]
-struct Kernel {
-    ratio: f64,
-    central: f64,
-    dimensions: i32,
-}
-
-impl Kernel {
-    fn new(domain: &Domain) -> Self {
-        if domain.dimensions() == 2 {
-            Self {
-                ratio: 1.897_366_596_101_027_6,
-                central: 7.0,
-                dimensions: 2,
-            }
-        } else {
-            Self {
-                ratio: 1.936_491_673_103_708_4,
-                central: 14.0,
-                dimensions: 3,
-            }
-        }
-    }
-
-    /// W(0) for radius H.
-    fn peak(&self, radius: f64) -> f64 {
-        let unit_volume = if self.dimensions == 2 {
-            std::f64::consts::PI
-        } else {
-            4.0 / 3.0 * std::f64::consts::PI
-        };
-        self.central / (unit_volume * radius.powi(self.dimensions))
-    }
 }
 
 /// Radius of the sphere (disc) in which a point with smoothing length `h` has its neighbours.
 pub fn radius(domain: &Domain, h: f64) -> f64 {
     Kernel::new(domain).ratio * h
 }
-
-/// Error of the neighbour number from which one last step of Newton's method suffices.
-const TOLERANCE: f64 = 1e-3;
 
 /// Sum of |w| up to which weights exact for linear fields are taken.
 const MOST_ABSOLUTE: f64 = 1.1;
@@ -140,23 +102,42 @@ impl Weights {
         &mut self,
         candidates: &Candidates,
         domain: &Domain,
-        (x, guess): (Vec3, f64),
+        start: (Vec3, f64),
         available: f64,
         reach: &Reach,
     ) -> bool {
+        dispatch!(Level::new(), simd => self.fit_lanes(simd, candidates, (domain, reach), start, available))
+    }
+
+    #[inline(always)]
+    fn fit_lanes<S: Simd>(
+        &mut self,
+        simd: S,
+        candidates: &Candidates,
+        (domain, reach): (&Domain, &Reach),
+        (x, guess): (Vec3, f64),
+        available: f64,
+    ) -> bool {
         let kernel = Kernel::new(domain);
         let x = domain.in_plane(x - candidates.centre);
-        self.choose(candidates, x, available);
+        self.near.choose(simd, candidates, x, available);
         let longest = kernel.ratio * reach.largest;
-        let radius = match self.radius(kernel, guess * kernel.ratio, available, reach) {
+        let start = (guess * kernel.ratio, available);
+        let radius = match self.near.radius(simd, kernel, start, reach.neighbours) {
             Some(radius) => radius,
             None if available >= longest => longest,
             None => return false,
         };
         self.clear(radius / kernel.ratio);
-        self.weigh(candidates, kernel, x, radius);
-        if !self.index.is_empty() {
-            self.correct(domain);
+        let count = self.weigh(candidates, kernel, x, radius);
+        if count > 0 {
+            self.correct(simd, domain);
+        }
+        let count = if self.shape == Shape::Empty { 0 } else { count };
+        self.index.truncate(count);
+        self.weight.truncate(count);
+        if self.shape == Shape::Rigid {
+            self.arm.truncate(count);
         }
         true
     }
@@ -170,118 +151,47 @@ impl Weights {
         self.relative.iter_mut().for_each(Vec::clear);
     }
 
-    /// The candidates within `available` of `x`, and their distances.
-    fn choose(&mut self, candidates: &Candidates, x: Vec3, available: f64) {
-        let n = candidates.len();
-        self.distance.resize(n, 0.0);
-        self.place.resize(n, 0);
-        let columns = candidates.x.iter().zip(&candidates.y).zip(&candidates.z);
-        for (d, ((px, py), pz)) in self.distance.iter_mut().zip(columns) {
-            let (dx, dy, dz) = (px - x.x, py - x.y, pz - x.z);
-            *d = dx * dx + dy * dy + dz * dz;
-        }
-        let mut near = 0;
-        for k in 0..n {
-            let d = self.distance[k];
-            // Written always, kept when near: no branch to mispredict.
-            self.distance[near] = d;
-            self.place[near] = k as u32;
-            near += usize::from(d < available * available);
-        }
-        self.distance.truncate(near);
-        self.place.truncate(near);
-        self.distance.iter_mut().for_each(|d| *d = d.sqrt());
-    }
-
-    /// Smooth neighbour number within `radius`, and its derivative by ln(radius).
-    fn number(&self, kernel: Kernel, radius: f64) -> (f64, f64) {
+    /// Lists the neighbours within `radius` with W V / W(0) as weight, and sums the density. The columns are filled up to whole lanes
+    /// with zeros; returns how many are neighbours.
+    #[inline(always)]
+    fn weigh(&mut self, candidates: &Candidates, kernel: Kernel, x: Vec3, radius: f64) -> usize {
+        let most = self.near.len() + LANES;
+        self.index.resize(most, 0);
+        self.weight.resize(most, 0.0);
+        self.relative.iter_mut().for_each(|r| r.resize(most, 0.0));
+        let [rx, ry, rz] = &mut self.relative;
+        let (rx, ry, rz) = (&mut rx[..most], &mut ry[..most], &mut rz[..most]);
+        let (weight, index) = (&mut self.weight[..most], &mut self.index[..most]);
         let inverse = 1.0 / radius;
-        let mut sums = [[0.0; 4]; 2];
-        let term = |d: f64| {
+        let (mut n, mut mass) = (0, 0.0);
+        for (d, k) in self.near.kept() {
             let q = d * inverse;
             let t = (1.0 - q).max(0.0);
-            let t3 = t * t * t;
-            (t3 * t * (1.0 + 4.0 * q), q * q * t3)
-        };
-        let four = self.distance.chunks_exact(4);
-        let rest = four.remainder();
-        for part in four {
-            for lane in 0..4 {
-                let (value, slope) = term(part[lane]);
-                sums[0][lane] += value;
-                sums[1][lane] += slope;
-            }
+            let w = t * t * (t * t) * (1.0 + 4.0 * q);
+            let near = candidates.at(k as usize);
+            mass += near.m * w;
+            // Written always, kept when inside: no branch to mispredict.
+            weight[n] = w * near.volume;
+            index[n] = near.index;
+            rx[n] = near.x - x.x;
+            ry[n] = near.y - x.y;
+            rz[n] = near.z - x.z;
+            n += usize::from(q < 1.0);
         }
-        for &d in rest {
-            let (value, slope) = term(d);
-            sums[0][0] += value;
-            sums[1][0] += slope;
+        let filled = n.next_multiple_of(LANES);
+        for column in [&mut *weight, rx, ry, rz] {
+            column[n..filled].fill(0.0);
         }
-        let [value, slope] = sums.map(|s| (s[0] + s[1]) + (s[2] + s[3]));
-        (kernel.central * value, 20.0 * kernel.central * slope)
-    }
-
-    /// The radius with the wanted smooth neighbour number: Newton's method in logarithms, inside a shrinking bracket.
-    fn radius(&self, kernel: Kernel, guess: f64, available: f64, reach: &Reach) -> Option<f64> {
-        let wanted = reach.neighbours;
-        let (mut low, mut high) = (0.0, available);
-        let mut bounded = false;
-        let mut radius = if guess > 0.0 && guess < available {
-            guess
-        } else {
-            available
-        };
-        for _ in 0..100 {
-            let (number, slope) = self.number(kernel, radius);
-            let newton = radius * ((wanted / number).ln() * number / slope).exp();
-            if (number / wanted - 1.0).abs() < TOLERANCE {
-                return Some(newton.min(available));
-            }
-            if number < wanted {
-                if radius >= available {
-                    return None;
-                }
-                low = radius;
-            } else {
-                high = radius;
-                bounded = true;
-            }
-            radius = if newton > low && newton < high {
-                newton
-            } else if bounded {
-                0.5 * (low + high)
-            } else {
-                available
-            };
-        }
-        Some(radius)
-    }
-
-    /// Lists the neighbours within `radius` with W V / W(0) as weight, and sums the density.
-    fn weigh(&mut self, candidates: &Candidates, kernel: Kernel, x: Vec3, radius: f64) {
-        let inverse = 1.0 / radius;
-        let [rx, ry, rz] = &mut self.relative;
-        let mut mass = 0.0;
-        for (&d, &k) in self.distance.iter().zip(&self.place) {
-            let q = d * inverse;
-            if q < 1.0 {
-                let k = k as usize;
-                let t2 = (1.0 - q) * (1.0 - q);
-                let w = t2 * t2 * (1.0 + 4.0 * q);
-                mass += candidates.m[k] * w;
-                self.weight.push(w * candidates.volume[k]);
-                self.index.push(candidates.index[k]);
-                rx.push(candidates.x[k] - x.x);
-                ry.push(candidates.y[k] - x.y);
-                rz.push(candidates.z[k] - x.z);
-            }
-        }
+        self.weight.truncate(filled);
+        self.relative.iter_mut().for_each(|r| r.truncate(filled));
         self.rho = mass * kernel.peak(radius);
+        n
     }
 
     /// Makes the weights exact for linear fields, or the best that can be had.
-    fn correct(&mut self, domain: &Domain) {
-        let (zeroth, first, second) = self.moments();
+    #[inline(always)]
+    fn correct<S: Simd>(&mut self, simd: S, domain: &Domain) {
+        let (zeroth, first, second) = self.moments(simd);
         if zeroth <= 0.0 {
             // All neighbours are at the very edge of the kernel, where it underflows.
             self.clear(self.h);
@@ -299,40 +209,34 @@ impl Weights {
         {
             let slope = root.solve(&-centre);
             let level = 1.0 - slope.dot(&centre);
-            if self.absolute(level, slope) < MOST_ABSOLUTE * zeroth {
-                self.tilt(level, slope);
+            if self.absolute(simd, level, slope) < MOST_ABSOLUTE * zeroth {
+                self.tilt(simd, level, slope);
                 self.shape = Shape::Linear;
                 return;
             }
         }
-        self.tilt(1.0, Vec3::zeros());
+        self.tilt(simd, 1.0, Vec3::zeros());
         self.turn(centre, spread);
     }
 
     /// Sum of w, w r and w r r.
-    fn moments(&self) -> (f64, Vec3, Matrix3<f64>) {
-        let [rx, ry, rz] = &self.relative;
-        let mut sums = [[0.0; 2]; 10];
-        for (k, w) in self.weight.iter().enumerate() {
-            let (x, y, z) = (rx[k], ry[k], rz[k]);
+    #[inline(always)]
+    fn moments<S: Simd>(&self, simd: S) -> (f64, Vec3, Matrix3<f64>) {
+        let mut sums = [f64x8::splat(simd, 0.0); 10];
+        for (w, [x, y, z]) in self.lanes(simd) {
             let (wx, wy, wz) = (w * x, w * y, w * z);
-            let terms = [
-                *w,
-                wx,
-                wy,
-                wz,
-                wx * x,
-                wx * y,
-                wx * z,
-                wy * y,
-                wy * z,
-                wz * z,
-            ];
-            for (sum, term) in sums.iter_mut().zip(terms) {
-                sum[k & 1] += term;
-            }
+            sums[0] += w;
+            sums[1] += wx;
+            sums[2] += wy;
+            sums[3] += wz;
+            sums[4] += wx * x;
+            sums[5] += wx * y;
+            sums[6] += wx * z;
+            sums[7] += wy * y;
+            sums[8] += wy * z;
+            sums[9] += wz * z;
         }
-        let [w, x, y, z, xx, xy, xz, yy, yz, zz] = sums.map(|s| s[0] + s[1]);
+        let [w, x, y, z, xx, xy, xz, yy, yz, zz] = sums.map(sum);
         (
             w,
             Vec3::new(x, y, z),
@@ -340,29 +244,46 @@ impl Weights {
         )
     }
 
-    /// Sum of |w (level + slope.r)|.
-    fn absolute(&self, level: f64, slope: Vec3) -> f64 {
+    /// Weights and relative positions, lanes at a time.
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S) -> impl Iterator<Item = (f64x8<S>, [f64x8<S>; 3])> + '_ {
         let [rx, ry, rz] = &self.relative;
-        let mut sums = [0.0; 4];
-        for (k, w) in self.weight.iter().enumerate() {
-            let factor = level + slope.x * rx[k] + slope.y * ry[k] + slope.z * rz[k];
-            sums[k & 3] += w * factor.abs();
+        let r = rx
+            .as_chunks()
+            .0
+            .iter()
+            .zip(ry.as_chunks().0)
+            .zip(rz.as_chunks().0);
+        let columns = self.weight.as_chunks::<LANES>().0.iter().zip(r);
+        columns.map(move |(w, ((x, y), z))| {
+            let [w, x, y, z] = [w, x, y, z].map(|lanes| f64x8::from_slice(simd, lanes));
+            (w, [x, y, z])
+        })
+    }
+
+    /// Sum of |w (level + slope.r)|.
+    #[inline(always)]
+    fn absolute<S: Simd>(&self, simd: S, level: f64, slope: Vec3) -> f64 {
+        let mut total = f64x8::splat(simd, 0.0);
+        for (w, [x, y, z]) in self.lanes(simd) {
+            total += w * (x * slope.x + y * slope.y + z * slope.z + level).abs();
         }
-        sums.iter().sum()
+        sum(total)
     }
 
     /// Multiplies the weights by level + slope.r, and brings their sum to one.
-    fn tilt(&mut self, level: f64, slope: Vec3) {
+    #[inline(always)]
+    fn tilt<S: Simd>(&mut self, simd: S, level: f64, slope: Vec3) {
         let [rx, ry, rz] = &self.relative;
         let columns = rx.iter().zip(ry).zip(rz);
         for (w, ((x, y), z)) in self.weight.iter_mut().zip(columns) {
             *w *= level + slope.x * x + slope.y * y + slope.z * z;
         }
-        let mut sums = [0.0; 4];
-        for (k, w) in self.weight.iter().enumerate() {
-            sums[k & 3] += w;
+        let mut total = f64x8::splat(simd, 0.0);
+        for (w, _) in self.lanes(simd) {
+            total += w;
         }
-        let norm = 1.0 / sums.iter().sum::<f64>();
+        let norm = 1.0 / sum(total);
         self.weight.iter_mut().for_each(|w| *w *= norm);
     }
 

@@ -1,0 +1,168 @@
+//! Near: the candidates around one point, and the radius that holds the wanted number of them.
+//!
+//! The smooth number within H is (volume of the sphere or disc of radius H) sum_j W(r_j, H); it grows with H.
+
+use fearless_simd::{Simd, SimdBase, f64x8};
+use nbody::points::{Domain, Vec3};
+
+use super::candidates::Candidates;
+
+/// Radius of the Wendland C2 kernel by twice its standard deviation, (volume of the unit sphere) times W(0) H^d, and d.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kernel {
+    pub ratio: f64,
+    central: f64,
+    dimensions: i32,
+}
+
+impl Kernel {
+    pub fn new(domain: &Domain) -> Self {
+        if domain.dimensions() == 2 {
+            Self {
+                ratio: 1.897_366_596_101_027_6,
+                central: 7.0,
+                dimensions: 2,
+            }
+        } else {
+            Self {
+                ratio: 1.936_491_673_103_708_4,
+                central: 14.0,
+                dimensions: 3,
+            }
+        }
+    }
+
+    /// W(0) for radius H.
+    pub fn peak(&self, radius: f64) -> f64 {
+        let unit_volume = if self.dimensions == 2 {
+            std::f64::consts::PI
+        } else {
+            4.0 / 3.0 * std::f64::consts::PI
+        };
+        self.central / (unit_volume * radius.powi(self.dimensions))
+    }
+}
+
+/// Error of the neighbour number from which one last step of Newton's method suffices.
+const TOLERANCE: f64 = 1e-3;
+
+/// Distances of candidates from a point.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Near {
+    distance: Vec<f64>,
+    /// place among the candidates
+    place: Vec<u32>,
+    count: usize,
+}
+
+/// Numbers that are worked on at once.
+pub(super) const LANES: usize = 8;
+
+/// Sum of the lanes.
+#[inline(always)]
+pub(super) fn sum<S: Simd>(lanes: f64x8<S>) -> f64 {
+    let mut x = [0.0; LANES];
+    lanes.store_slice(&mut x);
+    ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
+}
+
+impl Near {
+    /// Keeps the candidates within `available` of `x`, and their distances, filled up to whole lanes with distances beyond.
+    #[inline(always)]
+    pub fn choose<S: Simd>(&mut self, _: S, candidates: &Candidates, x: Vec3, available: f64) {
+        let n = candidates.len();
+        self.distance.resize(n + LANES, 0.0);
+        self.place.resize(n + LANES, 0);
+        let columns = candidates.x.iter().zip(&candidates.y).zip(&candidates.z);
+        for (d, ((px, py), pz)) in self.distance.iter_mut().zip(columns) {
+            let (dx, dy, dz) = (px - x.x, py - x.y, pz - x.z);
+            *d = dx * dx + dy * dy + dz * dz;
+        }
+        let (distance, place) = (&mut self.distance[..n], &mut self.place[..n]);
+        let most = available * available;
+        let mut near = 0;
+        for k in 0..n {
+            let d = distance[k];
+            // Written always, kept when near: no branch to mispredict.
+            distance[near] = d;
+            place[near] = k as u32;
+            near += usize::from(d < most);
+        }
+        self.count = near;
+        let filled = near.next_multiple_of(LANES);
+        self.distance[near..filled].fill(4.0 * most);
+        self.distance.truncate(filled);
+        self.distance.iter_mut().for_each(|d| *d = d.sqrt());
+    }
+
+    /// Distances and places of those kept.
+    pub fn kept(&self) -> impl Iterator<Item = (f64, u32)> + '_ {
+        let pairs = self.distance.iter().zip(&self.place);
+        pairs.map(|(&d, &k)| (d, k)).take(self.count)
+    }
+
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Smooth neighbour number within `radius`, and its derivative by ln(radius).
+    #[inline(always)]
+    fn number<S: Simd>(&self, simd: S, kernel: Kernel, radius: f64) -> (f64, f64) {
+        let mut value = f64x8::splat(simd, 0.0);
+        let mut slope = value;
+        let one = f64x8::splat(simd, 1.0);
+        for lanes in self.distance.as_chunks::<LANES>().0 {
+            let q = f64x8::from_slice(simd, lanes) * (1.0 / radius);
+            let t = (one - q).max(0.0);
+            let t3 = t * t * t;
+            value += t3 * t * (one + q * 4.0);
+            slope += q * q * t3;
+        }
+        (
+            kernel.central * sum(value),
+            20.0 * kernel.central * sum(slope),
+        )
+    }
+
+    /// The radius with the wanted smooth neighbour number: Newton's method in logarithms, inside a shrinking bracket.
+    #[inline(always)]
+    pub fn radius<S: Simd>(
+        &self,
+        simd: S,
+        kernel: Kernel,
+        (guess, available): (f64, f64),
+        wanted: f64,
+    ) -> Option<f64> {
+        let (mut low, mut high) = (0.0, available);
+        let mut bounded = false;
+        let mut radius = if guess > 0.0 && guess < available {
+            guess
+        } else {
+            available
+        };
+        for _ in 0..100 {
+            let (number, slope) = self.number(simd, kernel, radius);
+            let newton = radius * ((wanted / number).ln() * number / slope).exp();
+            if (number / wanted - 1.0).abs() < TOLERANCE {
+                return Some(newton.min(available));
+            }
+            if number < wanted {
+                if radius >= available {
+                    return None;
+                }
+                low = radius;
+            } else {
+                high = radius;
+                bounded = true;
+            }
+            radius = if newton > low && newton < high {
+                newton
+            } else if bounded {
+                0.5 * (low + high)
+            } else {
+                available
+            };
+        }
+        Some(radius)
+    }
+}
