@@ -2,6 +2,8 @@
 //! planetesimals, their gravity, orbits, integrators and collisions.
 
 pub mod bodies;
+pub mod collisions;
+pub mod encounters;
 pub mod gravity;
 pub mod integrators;
 pub mod kepler;

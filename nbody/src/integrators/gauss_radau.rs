@@ -262,17 +262,15 @@ impl GaussRadau {
     /// Takes the step.
     fn finish(&mut self, dt: f64) {
         let Scratch { a0, b, e, .. } = &self.scratch;
-        for i in 0..self.x.len() {
-            for axis in 0..3 {
-                let c = 3 * i + axis;
-                let (x, v) = (&mut self.x[i][axis], &mut self.v[i][axis]);
-                let (x_lost, v_lost) = (&mut self.x_lost[c], &mut self.v_lost[c]);
-                add(x, x_lost, dt * dt * polynomial(&b[c], &X_WEIGHTS, 1.0));
-                add(x, x_lost, dt * dt * 0.5 * a0[i][axis]);
-                add(x, x_lost, dt * *v);
-                add(v, v_lost, dt * polynomial(&b[c], &V_WEIGHTS, 1.0));
-                add(v, v_lost, dt * a0[i][axis]);
-            }
+        for (c, b) in b.iter().enumerate() {
+            let (i, axis) = (c / 3, c % 3);
+            let (x, v, a0) = (&mut self.x[i][axis], &mut self.v[i][axis], a0[i][axis]);
+            let (x_lost, v_lost) = (&mut self.x_lost[c], &mut self.v_lost[c]);
+            add(x, x_lost, dt * dt * polynomial(b, &X_WEIGHTS, 1.0));
+            add(x, x_lost, dt * dt * 0.5 * a0);
+            add(x, x_lost, dt * *v);
+            add(v, v_lost, dt * polynomial(b, &V_WEIGHTS, 1.0));
+            add(v, v_lost, dt * a0);
         }
         self.b_last.copy_from_slice(b);
         self.e_last.copy_from_slice(e);

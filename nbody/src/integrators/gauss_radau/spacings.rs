@@ -4,6 +4,7 @@
 //! b_k = sum_j C[j][k] g_j, g_k = sum_j D[j][k] b_j. The h are the roots of P7(2h - 1) + P8(2h - 1), P Legendre's polynomials.
 //! Source: Everhart (1985).
 
+#[allow(clippy::excessive_precision)] // twenty digits, whatever the type
 pub const H: [f64; 8] = [
     0.0,
     0.056_262_560_536_922_146_466,
@@ -129,8 +130,8 @@ mod tests {
     #[test]
     fn both_forms_of_the_polynomial_agree() {
         for j in 0..7 {
-            for k in 0..7 {
-                let product: f64 = (0..7).map(|i| D[j][i] * C[i][k]).sum();
+            let product = |k: usize| (0..7).map(|i| D[j][i] * C[i][k]).sum::<f64>();
+            for (k, product) in (0..7).map(product).enumerate() {
                 let unit = if j == k { 1.0 } else { 0.0 };
                 assert!((product - unit).abs() < 1e-15, "{j} {k} {product}");
             }
