@@ -10,6 +10,7 @@ pub mod history;
 pub mod info;
 pub mod new;
 pub mod plot;
+pub mod progress;
 pub mod read;
 pub mod reader;
 pub mod run;
