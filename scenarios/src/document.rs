@@ -36,11 +36,8 @@ pub type Entries = Vec<(String, Node)>;
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Value::Text(text) => {
-                let short: String = text.chars().take(60).collect();
-                write!(f, "{short:?}")
-            }
-            Value::Number(text, ..) | Value::Date(text) => f.write_str(text),
+            Value::Text(text) => write!(f, "{:?}", short(text)),
+            Value::Number(text, ..) | Value::Date(text) => f.write_str(&short(text)),
             Value::Flag(flag) => write!(f, "{flag}"),
             Value::List(nodes) => {
                 f.write_str("[")?;
@@ -52,6 +49,11 @@ impl fmt::Display for Value {
             Value::Table(_) => f.write_str("{..}"),
         }
     }
+}
+
+/// The start of a text, for messages.
+fn short(text: &str) -> String {
+    text.chars().take(60).collect()
 }
 
 /// The entries of a TOML text; every syntax error with its line otherwise.

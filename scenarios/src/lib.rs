@@ -12,6 +12,7 @@ pub mod initial;
 pub mod new;
 pub mod plot;
 pub mod populate;
+pub mod progress;
 pub mod read;
 pub mod reader;
 pub mod run;

@@ -74,7 +74,7 @@ fn save(
     let figure = Figure::new(rows, columns)
         .with_title(title)
         .with_title_size(18)
-        .with_cell_size(520.0, 440.0)
+        .with_cell_size(520.0, 452.0)
         .with_plots(plots)
         .with_layouts(layouts);
     let image = PngBackend::new()

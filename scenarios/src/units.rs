@@ -203,7 +203,7 @@ fn split(text: &str) -> Result<(f64, &str), String> {
         .filter(|&end| text.is_char_boundary(end))
         .filter(|&end| !text[..end].contains(|c: char| c.is_alphabetic() && !"eE".contains(c)))
         .filter_map(|end| text[..end].parse::<f64>().ok().map(|x| (x, end)))
-        .last()
+        .next_back()
         .ok_or("is not a number with a unit, such as \"5.2 au\"")?;
     if number.is_finite() {
         Ok((number, text[end..].trim()))

@@ -63,13 +63,12 @@ pub fn picture(table: &Path, output: &Path) -> Result<Option<PathBuf>, String> {
             .collect()
     };
     let mut panels = Vec::new();
-    for (plots, label, log) in [
+    for (plots, label) in [
         (
-            lines(errors, &|y| y.abs().max(ROUNDING)),
-            "relative error",
-            true,
+            lines(errors, &|y| y.abs().max(ROUNDING).log10()),
+            "log relative error",
         ),
-        (lines(energies, &|y| y), "energy [code units]", false),
+        (lines(energies, &|y| y), "energy [code units]"),
     ] {
         if plots.is_empty() {
             continue;
@@ -79,7 +78,7 @@ pub fn picture(table: &Path, output: &Path) -> Result<Option<PathBuf>, String> {
             .with_y_label(label)
             .with_box_axes()
             .with_legend_position(LegendPosition::OutsideBottomCenter);
-        panels.push((plots, if log { layout.with_log_y() } else { layout }));
+        panels.push((plots, layout));
     }
     if panels.is_empty() {
         return Ok(None);

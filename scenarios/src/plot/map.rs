@@ -10,6 +10,8 @@ use crate::snapshot::{Contents, Particles};
 
 /// Cells along each side of a map.
 const CELLS: usize = 240;
+/// Sets of at most so many bodies or superparticles are drawn one by one.
+const FEW: usize = 5000;
 /// Decades below the maximum that are shown.
 const DECADES: f64 = 4.0;
 /// Support of the kernel by the smoothing length (Wendland C2 in space).
@@ -95,30 +97,36 @@ fn reach(x: &[Vec3], side: usize, centre: f64) -> f64 {
 
 fn panel(contents: &Contents, group: &Particles, view: &View) -> (Vec<Plot>, Layout) {
     let length = |name| axis(name, Dimension::LENGTH, &contents.units);
-    let density = axis("log Σ", Dimension::SURFACE_DENSITY, &contents.units);
     let names = ["x", "y", "z"];
     let (across, up) = (length(names[view.axes[0]]), length(names[view.axes[1]]));
-    let columns = column_density(group, view);
     let scale = across.factor;
-    let mut plots = vec![Plot::Heatmap(
-        Heatmap::new()
-            .with_data(logarithm(&columns, density.factor))
-            .with_color_map(ColorMap::Inferno)
-            .with_x_range(scale * view.lo[0], scale * view.hi[0])
-            .with_y_range(scale * view.lo[1], scale * view.hi[1])
-            .with_cell_size(1.0)
-            .with_legend(density.text),
-    )];
+    let few = group.len() <= FEW && !group.more.contains_key("SmoothingLengths");
+    let (mut plots, title) = if few {
+        (vec![points(group, view, scale)], "positions".to_owned())
+    } else {
+        let density = axis(
+            "log column density",
+            Dimension::SURFACE_DENSITY,
+            &contents.units,
+        );
+        (
+            vec![shades(group, view, scale, density.factor)],
+            density.text,
+        )
+    };
     let heavy = heavy_bodies(contents, view, scale);
     if !heavy.is_empty() {
+        let color = if few { "#d62728" } else { "#4fc3f7" };
         plots.push(Plot::Scatter(
             ScatterPlot::new()
                 .with_data(heavy)
-                .with_color("#4fc3f7")
+                .with_color(color)
                 .with_size(3.5),
         ));
     }
-    let layout = Layout::auto_from_plots(&plots)
+    let mut layout = Layout::auto_from_plots(&plots)
+        .with_title(title)
+        .with_title_size(15)
         .with_x_label(across.text)
         .with_y_label(up.text)
         .with_show_grid(false)
@@ -127,7 +135,41 @@ fn panel(contents: &Contents, group: &Particles, view: &View) -> (Vec<Plot>, Lay
         .with_x_axis_max(scale * view.hi[0])
         .with_y_axis_min(scale * view.lo[1])
         .with_y_axis_max(scale * view.hi[1]);
+    let sides = [0, 1].map(|side| view.hi[side] - view.lo[side]);
+    // The panels of shades are square by their size.
+    if few && (sides[0] / sides[1] - 1.0).abs() < 0.5 {
+        layout = layout.with_equal_aspect();
+    }
     (plots, layout)
+}
+
+fn points(group: &Particles, view: &View, scale: f64) -> Plot {
+    let places = group
+        .x
+        .iter()
+        .map(|x| (scale * x[view.axes[0]], scale * x[view.axes[1]]));
+    let inside = |(a, b): &(f64, f64)| {
+        (scale * view.lo[0]..scale * view.hi[0]).contains(a)
+            && (scale * view.lo[1]..scale * view.hi[1]).contains(b)
+    };
+    let places: Vec<_> = places.filter(inside).collect();
+    Plot::Scatter(
+        ScatterPlot::new()
+            .with_data(places)
+            .with_color("#33415c")
+            .with_size(1.3),
+    )
+}
+
+fn shades(group: &Particles, view: &View, scale: f64, factor: f64) -> Plot {
+    Plot::Heatmap(
+        Heatmap::new()
+            .with_data(logarithm(&column_density(group, view), factor))
+            .with_color_map(ColorMap::Inferno)
+            .with_x_range(scale * view.lo[0], scale * view.hi[0])
+            .with_y_range(scale * view.lo[1], scale * view.hi[1])
+            .with_cell_size(1.0),
+    )
 }
 
 /// Star and planets: bodies a hundred times as heavy as the middling one, if they lie in the view.
@@ -164,28 +206,35 @@ fn logarithm(columns: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
 
 /// Mass an area in each cell, row by row upwards.
 fn column_density(group: &Particles, view: &View) -> Vec<Vec<f64>> {
-    let widths = group
+    let lengths = group
         .more
         .get("SmoothingLengths")
         .filter(|h| h.iter().any(|&h| h > 0.0));
-    let spacing = widths.is_none().then(|| spacings(group, view));
+    let spacing = if lengths.is_none() {
+        spacings(group, view)
+    } else {
+        Vec::new()
+    };
     let area = view.cell(0) * view.cell(1);
     let mut columns = vec![vec![0.0; CELLS]; CELLS];
     for i in 0..group.len() {
-        let radius = match (widths, &spacing) {
-            (Some(h), _) => SUPPORT * h[i],
-            (None, Some(spacing)) => 2.5 * spacing[i],
-            (None, None) => 0.0,
+        let width = match lengths {
+            Some(h) => [0, 1].map(|side| SUPPORT * h[i] / view.cell(side)),
+            None => [2.5 * spacing[i]; 2],
         };
-        spread(&mut columns, view, &group.x[i], radius, group.m[i] / area);
+        let width = width.map(|width| width.clamp(0.8, CELLS as f64));
+        spread(
+            &mut columns,
+            view.place(&group.x[i]),
+            width,
+            group.m[i] / area,
+        );
     }
     columns
 }
 
-/// Adds `amount`, spread over the cells within `radius`; all of it, whatever the radius.
-fn spread(columns: &mut [Vec<f64>], view: &View, x: &Vec3, radius: f64, amount: f64) {
-    let place = view.place(x);
-    let width = [0, 1].map(|side| (radius / view.cell(side)).clamp(0.8, CELLS as f64));
+/// Adds `amount`, spread over the cells within `width` cells of the place; all of it, whatever the width.
+fn spread(columns: &mut [Vec<f64>], place: [f64; 2], width: [f64; 2], amount: f64) {
     let range = |side: usize| {
         let lo = (place[side] - width[side]).floor() as i64;
         let hi = (place[side] + width[side]).ceil() as i64;
@@ -214,23 +263,22 @@ fn spread(columns: &mut [Vec<f64>], view: &View, x: &Vec3, radius: f64, amount: 
     }
 }
 
-/// Distance between neighbours in the view, from the counts in coarse cells.
+/// Distance between neighbours in the view in cells, from the counts in coarse cells.
 fn spacings(group: &Particles, view: &View) -> Vec<f64> {
     const COARSE: usize = 40;
-    let by = CELLS / COARSE;
-    let cell = |x: &Vec3| {
-        let place = view.place(x).map(|c| (c / by as f64).floor() as i64);
+    let by = (CELLS / COARSE) as f64;
+    let coarse = |x: &Vec3| {
+        let place = view.place(x).map(|c| (c / by).floor() as i64);
         let inside = place.iter().all(|c| (0..COARSE as i64).contains(c));
         inside.then(|| place[1] as usize * COARSE + place[0] as usize)
     };
     let mut counts = vec![0u32; COARSE * COARSE];
     for x in &group.x {
-        if let Some(cell) = cell(x) {
+        if let Some(cell) = coarse(x) {
             counts[cell] += 1;
         }
     }
-    let side = by as f64 * (view.cell(0) * view.cell(1)).sqrt();
-    let spacing = |x: &Vec3| cell(x).map_or(side, |cell| side / f64::from(counts[cell]).sqrt());
+    let spacing = |x: &Vec3| coarse(x).map_or(by, |cell| by / f64::from(counts[cell]).sqrt());
     group.x.iter().map(spacing).collect()
 }
 

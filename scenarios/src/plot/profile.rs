@@ -24,7 +24,7 @@ pub fn picture(contents: &Contents, path: &Path) -> Result<Option<PathBuf>, Stri
     if panels.is_empty() {
         return Ok(None);
     }
-    let columns = panels.len().min(2);
+    let columns = panels.len();
     save(panels, columns, &caption(contents, "profiles"), path).map(Some)
 }
 
@@ -47,24 +47,20 @@ fn panel(curves: Vec<(Curve, &str, &str)>, x: String, y: String, logs: [bool; 2]
     let shown = |(x, y): &(f64, f64)| {
         x.is_finite() && y.is_finite() && (!logs[0] || *x > 0.0) && (!logs[1] || *y > 0.0)
     };
-    let plots: Vec<Plot> = curves
-        .into_iter()
-        .map(|(curve, name, color)| {
-            (
-                curve.into_iter().filter(shown).collect::<Curve>(),
-                name,
-                color,
-            )
-        })
-        .filter(|(curve, ..)| curve.len() > 1)
-        .map(|(curve, name, color)| {
-            let line = LinePlot::new()
-                .with_data(curve)
-                .with_color(color)
-                .with_stroke_width(2.0);
-            Plot::Line(line.with_legend(name))
-        })
-        .collect();
+    let mut range = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+    let mut plots = Vec::new();
+    for (curve, name, color) in curves {
+        let curve: Curve = curve.into_iter().filter(shown).collect();
+        if curve.len() < 2 {
+            continue;
+        }
+        for (x, y) in &curve {
+            range[0] = (range[0].0.min(*x), range[0].1.max(*x));
+            range[1] = (range[1].0.min(*y), range[1].1.max(*y));
+        }
+        let line = LinePlot::new().with_data(curve).with_color(color);
+        plots.push(Plot::Line(line.with_stroke_width(2.0).with_legend(name)));
+    }
     if plots.is_empty() {
         return None;
     }
@@ -72,12 +68,20 @@ fn panel(curves: Vec<(Curve, &str, &str)>, x: String, y: String, logs: [bool; 2]
         .with_x_label(x)
         .with_y_label(y)
         .with_box_axes()
-        .with_legend_position(LegendPosition::InsideTopRight);
+        .with_legend_position(LegendPosition::OutsideBottomCenter);
     if logs[0] {
-        layout = layout.with_log_x();
+        let (lo, hi) = range[0];
+        layout = layout
+            .with_log_x()
+            .with_x_axis_min(lo / 1.05)
+            .with_x_axis_max(hi * 1.05);
     }
     if logs[1] {
-        layout = layout.with_log_y();
+        let (lo, hi) = range[1];
+        layout = layout
+            .with_log_y()
+            .with_y_axis_min(lo / 1.5)
+            .with_y_axis_max(hi * 1.5);
     }
     Some((plots, layout))
 }
@@ -152,9 +156,14 @@ fn about_star(contents: &Contents, x: Vec3, v: Vec3, gm: f64) -> Vec<Option<Pane
             .collect()
     };
     for (part_type, name, color) in COLORS {
-        let Some(group) = contents.group(part_type).filter(|group| group.len() > 1) else {
+        let Some(group) = contents
+            .group(part_type)
+            .map(small)
+            .filter(|group| group.len() > 1)
+        else {
             continue;
         };
+        let group = &group;
         density.push((
             scaled(surface_density(&rings, group, x), sigma.factor),
             name,
@@ -188,6 +197,21 @@ fn about_star(contents: &Contents, x: Vec3, v: Vec3, gm: f64) -> Vec<Option<Pane
             [true, true],
         ),
     ]
+}
+
+/// Without planets: bodies a hundred times as heavy as the middling one.
+fn small(group: &Particles) -> Particles {
+    let mut sorted = group.m.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let bar = 100.0 * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let kept: Vec<usize> = (0..group.len()).filter(|&i| group.m[i] <= bar).collect();
+    Particles {
+        part_type: group.part_type,
+        x: kept.iter().map(|&i| group.x[i]).collect(),
+        v: kept.iter().map(|&i| group.v[i]).collect(),
+        m: kept.iter().map(|&i| group.m[i]).collect(),
+        ..Particles::default()
+    }
 }
 
 fn surface_density(rings: &Rings, group: &Particles, centre: Vec3) -> Curve {
