@@ -3,6 +3,8 @@
 //! Mass and momentum of the accreted go to the star; their angular momentum about the common centre of mass becomes spin, their kinetic
 //! energy there is booked as dissipated.
 
+use nbody::collisions;
+use nbody::encounters::Finder;
 use nbody::points::{Columns, Fault, Vec3};
 
 use crate::System;
@@ -105,11 +107,48 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
     true
 }
 
-/// Merges bodies that touch, at the bodies' ticks.
-pub struct Mergers;
+/// Merges bodies that touched within their step, at the bodies' ticks.
+#[derive(Default)]
+pub struct Mergers {
+    finder: Finder,
+}
 
 impl Operator for Mergers {
     fn name(&self) -> &'static str {
         "mergers"
+    }
+
+    fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Bodies);
+        if !system.bodies_active() {
+            return Ok(false);
+        }
+        let dt = f64::from(system.clock.tick - system.pace.begin) * system.clock.unit();
+        let encounters = self.finder.encounters(&system.bodies, &system.domain, dt);
+        if encounters.is_empty() {
+            return Ok(false);
+        }
+        // Impulses on their way go to whoever carries the momentum after the merger.
+        system.settle_impulses();
+        let outcome = collisions::merge(&mut system.bodies, encounters, &system.domain, system.g, system.clock.time());
+        for event in &outcome.events {
+            system.ledger.spin += event.spin;
+            system.ledger.dissipated += event.energy_lost;
+            let place = system.bodies.id.iter().position(|&id| id == event.id_kept);
+            system.events.push(Event {
+                time: event.time,
+                kind: "merger",
+                kept: event.id_kept,
+                lost: event.id_lost,
+                mass_kept: event.mass_kept,
+                mass_lost: event.mass_lost,
+                position: place.map_or_else(Vec3::zeros, |i| system.bodies.x[i]),
+                speed_ratio: event.speed,
+                angle: event.angle,
+            });
+        }
+        system.bodies.retain(&outcome.keep);
+        system.look();
+        Ok(true)
     }
 }

@@ -1,8 +1,9 @@
 //! Drifts: everybody moves to the next tick. Star and bodies move by their own integrator when their step ends there; before that
 //! they are seen through its prediction.
 
+use nbody::integrators::gauss_radau::GaussRadau;
 use nbody::integrators::{Ahead, Stuck, wisdom_holman};
-use nbody::points::{Fault, Population};
+use nbody::points::{Fault, Population, Vec3};
 
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
@@ -104,5 +105,83 @@ impl Operator for DriftKepler {
         seen.star_x.fill(self.ahead.x_star);
         seen.star_v.fill(self.ahead.v_star);
         Ok(false)
+    }
+}
+
+/// Moves star and bodies on each other by the Gauss-Radau integrator of 15th order (Everhart 1985; Rein & Spiegel 2015), forces by direct sum.
+///
+/// Between the bodies' ticks they are seen where the Kepler map would take them. The integrator's memory is in [`System::memory`].
+pub struct DriftRadau {
+    /// Whether bodies are kicked from outside, so that the integrator has to take their velocities anew at each tick.
+    kicked: bool,
+    kepler: DriftKepler,
+}
+
+impl DriftRadau {
+    pub fn new(kicked: bool) -> Self {
+        Self { kicked, kepler: DriftKepler::default() }
+    }
+}
+
+impl Operator for DriftRadau {
+    fn name(&self) -> &'static str {
+        "drift bodies"
+    }
+
+    fn cross(&mut self, system: &mut System, dt: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        if !system.bodies_active() {
+            return self.kepler.cross(system, dt, meter);
+        }
+        meter.enter(Phase::Bodies);
+        let n = system.star.x.len() + system.bodies.x.len();
+        meter.count(n, 0);
+        let begin = system.clock.time() - elapsed(system);
+        let mut integrator = match GaussRadau::restored(&system.memory) {
+            Some(integrator) if !self.kicked && integrator.x().len() == n => integrator,
+            _ => GaussRadau::of(begin, &system.star, &system.bodies),
+        };
+        let pairs = Pairs::of(system);
+        let done = integrator.advance_to(system.clock.time(), |x, a| pairs.add(x, a));
+        done.map_err(|stall| Fault::Stuck {
+            population: Population::Planetesimals,
+            id: 0,
+            reason: stall.to_string(),
+            time: system.clock.time(),
+        })?;
+        integrator.store(&mut system.star, &mut system.bodies);
+        system.memory = integrator.state();
+        system.look();
+        Ok(true)
+    }
+}
+
+/// Masses and softening lengths of star and bodies, for the direct sum.
+struct Pairs {
+    g: f64,
+    m: Vec<f64>,
+    softening: Vec<f64>,
+}
+
+impl Pairs {
+    fn of(system: &System) -> Self {
+        let both = |star: &[f64], bodies: &[f64]| star.iter().chain(bodies).copied().collect();
+        Self {
+            g: system.g,
+            m: both(&system.star.m, &system.bodies.m),
+            softening: both(&system.star.softening, &system.bodies.softening),
+        }
+    }
+
+    fn add(&self, x: &[Vec3], a: &mut [Vec3]) {
+        for i in 0..x.len() {
+            for j in 0..i {
+                let d = x[j] - x[i];
+                let soft = self.softening[i] * self.softening[i] + self.softening[j] * self.softening[j];
+                let r2 = d.norm_squared() + soft;
+                let f = d * (self.g / (r2 * r2.sqrt()));
+                a[i] += f * self.m[j];
+                a[j] -= f * self.m[i];
+            }
+        }
     }
 }

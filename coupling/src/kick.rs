@@ -42,11 +42,12 @@ struct Kicked<'a> {
     x: &'a [Vec3],
     m: &'a [f64],
     h: &'a [f64],
+    gravity: &'a [Vec3],
 }
 
 impl Reaction {
     /// Gives star and planets the impulse that balances their pulls on `kicked`, weighted by `weight(i)`.
-    fn act(self, system: &System, kicked: &Kicked, weight: impl Fn(usize) -> f64 + Sync) -> (Vec<Vec3>, Vec<Vec3>) {
+    fn act(self, system: &System, kicked: &Kicked, weight: impl Fn(usize) -> f64 + Sync) -> Given {
         let mut star = vec![Vec3::zeros(); system.star.x.len()];
         let mut bodies = vec![Vec3::zeros(); system.bodies.x.len()];
         for heavy in heavies(system) {
@@ -61,11 +62,26 @@ impl Reaction {
                 own[heavy.place] += system.g * impulse;
             }
         }
-        (star, bodies)
+        let given = sum::ordered(kicked.x.len(), Vec3::zeros(), |range| {
+            range.fold(Vec3::zeros(), |sum, i| match weight(i) {
+                0.0 => sum,
+                w => sum + kicked.gravity[i] * (kicked.m[i] * w),
+            })
+        });
+        let stray = star.iter().chain(&bodies).fold(given, |sum, back| sum + back);
+        Given { star, bodies, stray }
     }
 }
 
-fn receive(system: &mut System, (star, bodies): (Vec<Vec3>, Vec<Vec3>)) {
+/// What a kick gives to star and bodies, and what is left over: the net impulse of the tree's field.
+struct Given {
+    star: Vec<Vec3>,
+    bodies: Vec<Vec3>,
+    stray: Vec3,
+}
+
+fn receive(system: &mut System, Given { star, bodies, stray }: Given) {
+    system.stray += stray;
     for (pending, impulse) in system.pending_star.iter_mut().zip(star).chain(system.pending_bodies.iter_mut().zip(bodies)) {
         *pending += impulse;
     }
@@ -86,7 +102,7 @@ pub struct KickGas {
 impl KickGas {
     fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
         let gas = &system.gas.particles;
-        let kicked = Kicked { x: &gas.x, m: &gas.m, h: &gas.h };
+        let kicked = Kicked { x: &gas.x, m: &gas.m, h: &gas.h, gravity: &system.gas.rates.gravity };
         let given = self.reaction.act(system, &kicked, |i| if system.active(gas.end[i]) { weight(system, i) } else { 0.0 });
         receive(system, given);
     }
@@ -135,7 +151,7 @@ pub struct KickDust {
 impl KickDust {
     fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
         let dust = &system.dust.particles;
-        let kicked = Kicked { x: &dust.x, m: &dust.m, h: &dust.h };
+        let kicked = Kicked { x: &dust.x, m: &dust.m, h: &dust.h, gravity: &system.dust.rates.gravity };
         let given = self.reaction.act(system, &kicked, |i| if system.active(dust.end[i]) { weight(system, i) } else { 0.0 });
         receive(system, given);
     }
@@ -168,14 +184,19 @@ impl Operator for KickDust {
     }
 }
 
-/// Kicks of star and bodies by what their own integrator does not do; sets their step.
+/// Kicks of star and bodies by what their own integrator does not do; sets their step, and closes the books on the tree's field.
 pub struct KickBodies {
+    /// Whether pulls are mutual, so that the tree's field should have no net impulse.
+    pub mutual: bool,
     /// The wanted step of the bodies' integrator.
     pub step: f64,
 }
 
 impl KickBodies {
     fn kick(system: &mut System, weight: f64) {
+        for bodies in [&system.star, &system.bodies] {
+            system.stray += bodies.a.iter().zip(&bodies.m).fold(Vec3::zeros(), |sum, (a, m)| sum + a * (m * weight));
+        }
         for bodies in [&mut system.star, &mut system.bodies] {
             for (v, a) in bodies.v.iter_mut().zip(&bodies.a) {
                 *v += *a * weight;
@@ -203,6 +224,9 @@ impl Operator for KickBodies {
         let active = system.bodies_active();
         if active {
             Self::kick(system, system.closing(system.pace.begin, system.pace.span));
+        }
+        if system.clock.synchronous() && self.mutual {
+            system.recall_stray();
         }
         Ok(active)
     }

@@ -178,6 +178,8 @@ impl Ledger {
 
     /// Opens the books on the system as it stands.
     pub fn open(&mut self, system: Census, potential: f64) {
+        // Heat that brought the gas to its prescribed temperature came before the start.
+        self.radiated = 0.0;
         self.initial = system;
         self.initial_potential = potential;
         self.last = system;

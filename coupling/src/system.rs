@@ -40,6 +40,9 @@ pub struct System {
     pub seen: Seen,
     /// Whether the star's pull on bodies is in their kick, and so in their `a`.
     pub star_in_kick: bool,
+    /// Net impulse that the tree's field has given to gas, dust and bodies since everybody was last active. Without truncation it would be
+    /// zero whenever everybody is.
+    pub stray: Vec3,
     /// Impulses (momenta) that star and bodies receive at their next tick.
     pub pending_star: Vec<Vec3>,
     pub pending_bodies: Vec<Vec3>,
@@ -69,6 +72,7 @@ impl System {
             pace: Pace::default(),
             seen: Seen::default(),
             star_in_kick: false,
+            stray: Vec3::zeros(),
             pending_star: Vec::new(),
             pending_bodies: Vec::new(),
             gas: Gas::default(),
@@ -121,6 +125,22 @@ impl System {
                 }
             }
         }
+    }
+
+    /// Takes the stray impulse of the tree's field out of gas, dust and bodies, by one velocity for all. To be called when everybody's step is
+    /// closed.
+    pub fn recall_stray(&mut self) {
+        let mass: f64 = [&self.gas.particles.m, &self.dust.particles.m, &self.bodies.m].into_iter().flatten().sum();
+        let stray = std::mem::replace(&mut self.stray, Vec3::zeros());
+        if mass == 0.0 || stray == Vec3::zeros() {
+            return;
+        }
+        let shift = stray / mass;
+        for v in [&mut self.gas.particles.v, &mut self.gas.rates.v_pred, &mut self.dust.particles.v, &mut self.dust.rates.v_pred] {
+            v.iter_mut().for_each(|v| *v -= shift);
+        }
+        self.bodies.v.iter_mut().for_each(|v| *v -= shift);
+        self.look();
     }
 
     /// The next tick at which anybody is active.

@@ -4,7 +4,7 @@
 
 use coupling::accretion::{Accretion, Mergers};
 use coupling::drag::{BodyDrag, DustDrag};
-use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftStraight};
+use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftRadau, DriftStraight};
 use coupling::gravity::{Gravity, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction};
 use coupling::{Operator, Splitting, System};
@@ -126,7 +126,7 @@ fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, 
         list.push(Box::new(BodyDrag::new(populate::body_law(scene, p), &hydro, scene.coupling.feedback)));
     }
     if moving && integrator != Integrator::GaussRadau || moving && (gas || dust) {
-        list.push(Box::new(KickBodies { step }));
+        list.push(Box::new(KickBodies { step, mutual: mutual(scene) }));
     }
     let reaction = |fluid: Mass, softening: Softening| Reaction {
         on: [scene.gravity.pulls.has(fluid, Mass::Star), scene.gravity.pulls.has(fluid, Mass::Planets)],
@@ -147,16 +147,23 @@ fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, 
         list.push(match integrator {
             Integrator::WisdomHolman | Integrator::Auto => Box::new(DriftKepler::default()),
             Integrator::Leapfrog => Box::new(DriftStraight),
-            Integrator::GaussRadau => Box::new(DriftStraight),
+            Integrator::GaussRadau => Box::new(DriftRadau::new(gas || dust)),
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
         list.push(Box::new(Accretion));
     }
     if scene.planetesimals.as_ref().is_some_and(|p| p.collisions == Collisions::Merge) && system.bodies.len() > 1 {
-        list.push(Box::new(Mergers));
+        list.push(Box::new(Mergers::default()));
     }
     list
+}
+
+/// Whether gas, dust, planetesimals and planets pull each other both ways or not at all, each with all of the forces in kicks.
+fn mutual(scene: &Scene) -> bool {
+    let pulls = &scene.gravity.pulls.0;
+    let fluids = [Mass::Gas, Mass::Dust, Mass::Planetesimals, Mass::Planets, Mass::Star].map(|m| m as usize);
+    fluids.iter().all(|&a| fluids.iter().all(|&b| pulls[a][b] == pulls[b][a]))
 }
 
 /// Who pulls whom, how softly and how exactly.
