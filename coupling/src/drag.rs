@@ -126,7 +126,7 @@ impl Exchange {
     /// Lists the touched gas and finds eps of all active particles.
     fn load(&mut self, gas: &Gas) {
         let blocks = &mut self.blocks[..self.used];
-        self.touched.list(blocks);
+        self.touched.list(blocks, gas);
         blocks.par_iter_mut().for_each(Block::spread_load);
         self.touched.sum(blocks, gas);
         let touched = &self.touched;

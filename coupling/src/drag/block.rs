@@ -69,8 +69,13 @@ pub struct Block {
     pub place: Vec<u32>,
     /// sums over the pairs of each slot
     pub partial: Vec<Parcel>,
-    v: Vec<Vec3>,
-    a: Vec<Vec3>,
+    /// velocity and acceleration of each slot
+    field: Vec<[f64; 8]>,
+}
+
+/// Three columns from `first` on.
+fn vector(columns: &[f64], first: usize) -> Vec3 {
+    Vec3::new(columns[first], columns[first + 1], columns[first + 2])
 }
 
 /// How far beyond its last neighbourhood a particle first looks, by the radius.
@@ -151,9 +156,14 @@ impl Block {
     /// Numbers the gas particles of all pairs in ascending order.
     fn number_slots(&mut self, window: &mut Vec<u32>) {
         self.gas.clear();
-        let (Some(&first), Some(&last)) = (self.slot.iter().min(), self.slot.iter().max()) else {
+        if self.slot.is_empty() {
             return;
-        };
+        }
+        let ends = (u32::MAX, 0);
+        let (first, last) = self
+            .slot
+            .iter()
+            .fold(ends, |(lo, hi), &j| (lo.min(j), hi.max(j)));
         window.clear();
         window.resize((last - first + 1) as usize, 0);
         for &j in &self.slot {
@@ -191,20 +201,31 @@ impl Block {
         slots.zip(weights.iter().copied())
     }
 
-    /// A vector field of the slots, at a row.
-    fn seen(&self, row: usize, field: &[Vec3]) -> Vec3 {
-        let plain = self.pairs(row).map(|(slot, w)| w * field[slot]).sum();
-        if self.rows[row].shape != Shape::Rigid {
-            return plain;
+    /// Fields of the slots, at a row: vectors in the first three of each four columns.
+    fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for (slot, w) in self.pairs(row) {
+            let value = &field[slot];
+            (0..N).for_each(|k| sum[k] += w * value[k]);
         }
+        if self.rows[row].shape == Shape::Rigid {
+            for first in (0..N).step_by(4) {
+                let turned = self.turned(row, |slot| vector(&field[slot], first));
+                (0..3).for_each(|k| sum[first + k] -= turned[k]);
+            }
+        }
+        sum
+    }
+
+    /// Omega x b of a rigid shape.
+    fn turned(&self, row: usize, field: impl Fn(usize) -> Vec3) -> Vec3 {
         let turn = &self.turns[self.rows[row].turn as usize];
-        let arms = &self.arms[turn.first_arm..];
         let spin: Vec3 = self
             .pairs(row)
-            .zip(arms)
-            .map(|((slot, w), arm)| w * arm.cross(&field[slot]))
+            .zip(&self.arms[turn.first_arm..])
+            .map(|((slot, w), arm)| w * arm.cross(&field(slot)))
             .sum();
-        plain - (turn.inverse_inertia * spin).cross(&turn.offset)
+        (turn.inverse_inertia * spin).cross(&turn.offset)
     }
 
     pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
@@ -249,19 +270,22 @@ impl Block {
         half: Half,
         settings: &Settings,
     ) {
-        self.v.clear();
-        self.v
-            .extend(self.gas.iter().map(|&j| gas.rates.v_pred[j as usize]));
-        self.a.clear();
-        if settings.joint {
-            self.a
-                .extend(self.gas.iter().map(|&j| gas.acceleration(j as usize)));
-        }
+        self.field.clear();
+        self.field.extend(self.gas.iter().map(|&j| {
+            let v = gas.rates.v_pred[j as usize];
+            let a = if settings.joint {
+                gas.acceleration(j as usize)
+            } else {
+                Vec3::zeros()
+            };
+            [v.x, v.y, v.z, 0.0, a.x, a.y, a.z, 0.0]
+        }));
         for (k, (&i, &step)) in members.iter().zip(steps).enumerate() {
             let i = i as usize;
-            let v_gas = self.seen(k, &self.v);
+            let seen = self.seen(k, &self.field);
+            let v_gas = vector(&seen, 0);
             let a = match immersed.acceleration(i) {
-                Some(a) if settings.joint => a - self.seen(k, &self.a),
+                Some(a) if settings.joint => a - vector(&seen, 4),
                 _ => Vec3::zeros(),
             };
             let row = &mut self.rows[k];
@@ -309,13 +333,11 @@ impl Block {
 
     /// Makes up for what the gas did beyond -eps dv.
     pub fn refine(&mut self, touched: &super::Touched) {
-        self.v.clear();
-        self.v.extend(self.place.iter().map(|&place| {
-            let [x, y, z, _] = touched.sums[place as usize];
-            Vec3::new(x, y, z)
-        }));
+        for (part, &place) in self.partial.iter_mut().zip(&self.place) {
+            *part = touched.sums[place as usize];
+        }
         for k in 0..self.rows.len() {
-            let gained = self.seen(k, &self.v);
+            let gained = vector(&self.seen(k, &self.partial), 0);
             let row = &mut self.rows[k];
             row.dv += row.share * (gained + row.eps * row.dv);
         }
