@@ -15,6 +15,7 @@ mod booking;
 mod group;
 mod immersed;
 mod relaxation;
+mod row;
 mod touched;
 
 use gas::Gas;
@@ -113,7 +114,7 @@ impl Exchange {
             .par_iter_mut()
             .zip(active.par_chunks(BLOCK))
             .for_each_init(Scratch::default, |scratch, (block, members)| {
-                block.link(gas, seen, members, domain, &settings.reach, scratch);
+                block.link(gas, seen, members, (domain, &settings.reach), scratch);
             });
         for (block, members) in self.blocks.iter().zip(active.chunks(BLOCK)) {
             block.keep_smoothing(immersed, members);
@@ -180,7 +181,7 @@ impl Exchange {
         booking
     }
 
-    /// Loss of velocity per unit of the grain's own, 1 + eps, of each prepared particle.
+    /// 1 + eps of each prepared particle.
     pub fn loads(&self) -> impl Iterator<Item = f64> {
         self.blocks[..self.used].iter().flat_map(Block::loads)
     }

@@ -8,8 +8,8 @@ use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
 use super::group::Group;
-use super::relaxation::{change, lag};
-use super::{Ambient, Booking, Half, Immersed, Parcel, Settings, parcel};
+use super::row::Row;
+use super::{Booking, Half, Immersed, Parcel, Settings, parcel};
 
 /// Buffers of a thread while it links blocks.
 #[derive(Default)]
@@ -19,31 +19,6 @@ pub struct Scratch {
     own: Candidates,
     weights: Weights,
     window: Vec<u32>,
-}
-
-/// An immersed particle: the gas around it, and its exchange.
-#[derive(Clone, Copy, Debug, Default)]
-struct Row {
-    h: f64,
-    rho: f64,
-    c: f64,
-    shape: Shape,
-    gain: f64,
-    /// Place of its rigid shape in `turns`.
-    turn: u32,
-    eps: f64,
-    m: f64,
-    t_stop: f64,
-    /// change of its velocity
-    dv: Vec3,
-    /// its change per velocity that the gas is found to have gained beyond -eps dv
-    share: f64,
-    /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
-    u_tick: Vec3,
-    u_middle: Vec3,
-    /// velocity of the gas at this tick
-    v_gas: Vec3,
-    x: Vec3,
 }
 
 /// What a rigid shape adds to the weights.
@@ -88,8 +63,7 @@ impl Block {
         gas: &Gas,
         immersed: &I,
         members: &[u32],
-        domain: &Domain,
-        reach: &Reach,
+        (domain, reach): (&Domain, &Reach),
         scratch: &mut Scratch,
     ) {
         self.clear();
@@ -291,7 +265,7 @@ impl Block {
             let row = &mut self.rows[k];
             (row.v_gas, row.x) = (v_gas, immersed.position(i));
             row.u_tick = immersed.velocity(i) - v_gas;
-            row.relax(&settings.law, immersed, i, step, half, a);
+            row.relax(&settings.law, immersed, i, (step, half), a);
         }
     }
 
@@ -369,45 +343,5 @@ impl Block {
 
     pub fn loads(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().map(|row| 1.0 + row.eps)
-    }
-}
-
-impl Row {
-    fn relax<I: Immersed>(
-        &mut self,
-        law: &super::StoppingLaw,
-        immersed: &I,
-        i: usize,
-        step: f64,
-        half: Half,
-        a: Vec3,
-    ) {
-        let kick = a * step;
-        let (start, sign) = match half {
-            Half::Closing => (self.u_tick - kick, -0.5),
-            Half::Opening => (self.u_tick, 0.5),
-        };
-        self.u_middle = self.u_tick + sign * kick;
-        let sphere = immersed.sphere(i);
-        let ambient = Ambient {
-            rho: self.rho,
-            c: self.c,
-            omega: immersed.omega(i),
-        };
-        let load = 1.0 + self.eps;
-        let depth = |speed: f64| law.e_foldings(&sphere, &ambient, speed, load * step);
-        let mut x = depth(start.norm());
-        if !law.is_linear() && kick != Vec3::zeros() {
-            // Half of what the kick leaves at the end stands for its effect on the stopping time.
-            x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
-        }
-        self.dv = change(x, start, kick) / load;
-        self.share = lag(x) / load;
-        self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
-    }
-
-    /// Heat of the row's change in gas of fixed velocity.
-    fn heat(&self) -> f64 {
-        -self.m * self.dv.dot(&(self.u_middle + 0.5 * self.dv))
     }
 }
