@@ -16,6 +16,7 @@ mod group;
 mod immersed;
 mod operators;
 mod relaxation;
+mod row;
 mod touched;
 
 use gas::Gas;
@@ -115,7 +116,7 @@ impl Exchange {
             .par_iter_mut()
             .zip(active.par_chunks(BLOCK))
             .for_each_init(Scratch::default, |scratch, (block, members)| {
-                block.link(gas, seen, members, domain, &settings.reach, scratch);
+                block.link(gas, seen, members, (domain, &settings.reach), scratch);
             });
         for (block, members) in self.blocks.iter().zip(active.chunks(BLOCK)) {
             block.keep_smoothing(immersed, members);
@@ -128,7 +129,7 @@ impl Exchange {
     /// Lists the touched gas and finds eps of all active particles.
     fn load(&mut self, gas: &Gas) {
         let blocks = &mut self.blocks[..self.used];
-        self.touched.list(blocks);
+        self.touched.list(blocks, gas);
         blocks.par_iter_mut().for_each(Block::spread_load);
         self.touched.sum(blocks, gas);
         let touched = &self.touched;
@@ -182,7 +183,7 @@ impl Exchange {
         booking
     }
 
-    /// Loss of velocity per unit of the grain's own, 1 + eps, of each prepared particle.
+    /// 1 + eps of each prepared particle.
     pub fn loads(&self) -> impl Iterator<Item = f64> {
         self.blocks[..self.used].iter().flat_map(Block::loads)
     }

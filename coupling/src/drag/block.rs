@@ -8,8 +8,8 @@ use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
 use super::group::Group;
-use super::relaxation::{change, lag};
-use super::{Ambient, Booking, Half, Immersed, Parcel, Settings, parcel};
+use super::row::Row;
+use super::{Booking, Half, Immersed, Parcel, Settings, parcel};
 
 /// Buffers of a thread while it links blocks.
 #[derive(Default)]
@@ -19,31 +19,6 @@ pub struct Scratch {
     own: Candidates,
     weights: Weights,
     window: Vec<u32>,
-}
-
-/// An immersed particle: the gas around it, and its exchange.
-#[derive(Clone, Copy, Debug, Default)]
-struct Row {
-    h: f64,
-    rho: f64,
-    c: f64,
-    shape: Shape,
-    gain: f64,
-    /// Place of its rigid shape in `turns`.
-    turn: u32,
-    eps: f64,
-    m: f64,
-    t_stop: f64,
-    /// change of its velocity
-    dv: Vec3,
-    /// its change per velocity that the gas is found to have gained beyond -eps dv
-    share: f64,
-    /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
-    u_tick: Vec3,
-    u_middle: Vec3,
-    /// velocity of the gas at this tick
-    v_gas: Vec3,
-    x: Vec3,
 }
 
 /// What a rigid shape adds to the weights.
@@ -69,8 +44,13 @@ pub struct Block {
     pub place: Vec<u32>,
     /// sums over the pairs of each slot
     pub partial: Vec<Parcel>,
-    v: Vec<Vec3>,
-    a: Vec<Vec3>,
+    /// velocity and acceleration of each slot
+    field: Vec<[f64; 8]>,
+}
+
+/// Three columns from `first` on.
+fn vector(columns: &[f64], first: usize) -> Vec3 {
+    Vec3::new(columns[first], columns[first + 1], columns[first + 2])
 }
 
 /// How far beyond its last neighbourhood a particle first looks, by the radius.
@@ -83,8 +63,7 @@ impl Block {
         gas: &Gas,
         immersed: &I,
         members: &[u32],
-        domain: &Domain,
-        reach: &Reach,
+        (domain, reach): (&Domain, &Reach),
         scratch: &mut Scratch,
     ) {
         self.clear();
@@ -151,9 +130,14 @@ impl Block {
     /// Numbers the gas particles of all pairs in ascending order.
     fn number_slots(&mut self, window: &mut Vec<u32>) {
         self.gas.clear();
-        let (Some(&first), Some(&last)) = (self.slot.iter().min(), self.slot.iter().max()) else {
+        if self.slot.is_empty() {
             return;
-        };
+        }
+        let ends = (u32::MAX, 0);
+        let (first, last) = self
+            .slot
+            .iter()
+            .fold(ends, |(lo, hi), &j| (lo.min(j), hi.max(j)));
         window.clear();
         window.resize((last - first + 1) as usize, 0);
         for &j in &self.slot {
@@ -191,20 +175,31 @@ impl Block {
         slots.zip(weights.iter().copied())
     }
 
-    /// A vector field of the slots, at a row.
-    fn seen(&self, row: usize, field: &[Vec3]) -> Vec3 {
-        let plain = self.pairs(row).map(|(slot, w)| w * field[slot]).sum();
-        if self.rows[row].shape != Shape::Rigid {
-            return plain;
+    /// Fields of the slots, at a row: vectors in the first three of each four columns.
+    fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for (slot, w) in self.pairs(row) {
+            let value = &field[slot];
+            (0..N).for_each(|k| sum[k] += w * value[k]);
         }
+        if self.rows[row].shape == Shape::Rigid {
+            for first in (0..N).step_by(4) {
+                let turned = self.turned(row, |slot| vector(&field[slot], first));
+                (0..3).for_each(|k| sum[first + k] -= turned[k]);
+            }
+        }
+        sum
+    }
+
+    /// Omega x b of a rigid shape.
+    fn turned(&self, row: usize, field: impl Fn(usize) -> Vec3) -> Vec3 {
         let turn = &self.turns[self.rows[row].turn as usize];
-        let arms = &self.arms[turn.first_arm..];
         let spin: Vec3 = self
             .pairs(row)
-            .zip(arms)
-            .map(|((slot, w), arm)| w * arm.cross(&field[slot]))
+            .zip(&self.arms[turn.first_arm..])
+            .map(|((slot, w), arm)| w * arm.cross(&field(slot)))
             .sum();
-        plain - (turn.inverse_inertia * spin).cross(&turn.offset)
+        (turn.inverse_inertia * spin).cross(&turn.offset)
     }
 
     pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
@@ -249,25 +244,28 @@ impl Block {
         half: Half,
         settings: &Settings,
     ) {
-        self.v.clear();
-        self.v
-            .extend(self.gas.iter().map(|&j| gas.rates.v_pred[j as usize]));
-        self.a.clear();
-        if settings.joint {
-            self.a
-                .extend(self.gas.iter().map(|&j| gas.acceleration(j as usize)));
-        }
+        self.field.clear();
+        self.field.extend(self.gas.iter().map(|&j| {
+            let v = gas.rates.v_pred[j as usize];
+            let a = if settings.joint {
+                gas.acceleration(j as usize)
+            } else {
+                Vec3::zeros()
+            };
+            [v.x, v.y, v.z, 0.0, a.x, a.y, a.z, 0.0]
+        }));
         for (k, (&i, &step)) in members.iter().zip(steps).enumerate() {
             let i = i as usize;
-            let v_gas = self.seen(k, &self.v);
+            let seen = self.seen(k, &self.field);
+            let v_gas = vector(&seen, 0);
             let a = match immersed.acceleration(i) {
-                Some(a) if settings.joint => a - self.seen(k, &self.a),
+                Some(a) if settings.joint => a - vector(&seen, 4),
                 _ => Vec3::zeros(),
             };
             let row = &mut self.rows[k];
             (row.v_gas, row.x) = (v_gas, immersed.position(i));
             row.u_tick = immersed.velocity(i) - v_gas;
-            row.relax(&settings.law, immersed, i, step, half, a);
+            row.relax(&settings.law, immersed, i, (step, half), a);
         }
     }
 
@@ -309,13 +307,11 @@ impl Block {
 
     /// Makes up for what the gas did beyond -eps dv.
     pub fn refine(&mut self, touched: &super::Touched) {
-        self.v.clear();
-        self.v.extend(self.place.iter().map(|&place| {
-            let [x, y, z, _] = touched.sums[place as usize];
-            Vec3::new(x, y, z)
-        }));
+        for (part, &place) in self.partial.iter_mut().zip(&self.place) {
+            *part = touched.sums[place as usize];
+        }
         for k in 0..self.rows.len() {
-            let gained = self.seen(k, &self.v);
+            let gained = vector(&self.seen(k, &self.partial), 0);
             let row = &mut self.rows[k];
             row.dv += row.share * (gained + row.eps * row.dv);
         }
@@ -347,45 +343,5 @@ impl Block {
 
     pub fn loads(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().map(|row| 1.0 + row.eps)
-    }
-}
-
-impl Row {
-    fn relax<I: Immersed>(
-        &mut self,
-        law: &super::StoppingLaw,
-        immersed: &I,
-        i: usize,
-        step: f64,
-        half: Half,
-        a: Vec3,
-    ) {
-        let kick = a * step;
-        let (start, sign) = match half {
-            Half::Closing => (self.u_tick - kick, -0.5),
-            Half::Opening => (self.u_tick, 0.5),
-        };
-        self.u_middle = self.u_tick + sign * kick;
-        let sphere = immersed.sphere(i);
-        let ambient = Ambient {
-            rho: self.rho,
-            c: self.c,
-            omega: immersed.omega(i),
-        };
-        let load = 1.0 + self.eps;
-        let depth = |speed: f64| law.e_foldings(&sphere, &ambient, speed, load * step);
-        let mut x = depth(start.norm());
-        if !law.is_linear() && kick != Vec3::zeros() {
-            // Half of what the kick leaves at the end stands for its effect on the stopping time.
-            x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
-        }
-        self.dv = change(x, start, kick) / load;
-        self.share = lag(x) / load;
-        self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
-    }
-
-    /// Heat of the row's change in gas of fixed velocity.
-    fn heat(&self) -> f64 {
-        -self.m * self.dv.dot(&(self.u_middle + 0.5 * self.dv))
     }
 }

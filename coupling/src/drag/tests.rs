@@ -194,7 +194,6 @@ fn off(v: &[Vec3], exact: f64) -> f64 {
 #[test]
 fn dustybox_decays_exactly_for_any_stopping_time_and_load() {
     let (dt, steps) = (0.1, 10);
-    let mut worst: f64 = 0.0;
     for eps in [0.01, 1.0, 100.0] {
         for t_stop in [1e-12, 1e-8, 1e-4, 0.03, 1.0, 30.0, 1e4, 1e8, 1e12] {
             let mut scene = dustybox(eps, 1.0, constant(t_stop));
@@ -210,15 +209,12 @@ fn dustybox_decays_exactly_for_any_stopping_time_and_load() {
             assert!(grains < 1e-14 && gas < 1e-14, "{case}: {grains:e} {gas:e}");
             let after = scene.total();
             let p = (after.p - before.p).norm() / before.p.norm();
-            worst = worst.max(p).max(grains).max(gas);
             assert!(p < 1e-14, "{case}: momentum {p:e}");
             let lost = after.kinetic - before.kinetic + after.heat - before.heat;
             let error = lost.abs() / (before.kinetic + before.heat);
-            worst = worst.max(error);
             assert!(error < 1e-14, "{case}: energy {error:e}");
         }
     }
-    println!("WORST {worst:e}");
 }
 
 #[test]
@@ -353,13 +349,13 @@ fn heavy_stiff_dust_at_random_places_only_loses_energy() {
         let f = |k: f64| (x.dot(&Vec3::new(7.3, 3.1, 9.7)) * k).sin();
         Vec3::new(f(13.7), f(71.3), f(31.1))
     };
-    for (t_stop, eps) in [(1e-8, 100.0), (0.1, 100.0), (0.01, 1.0)] {
-        let gas = gas(scattered(400, 7.0, 0.0), 1.0, noise);
-        let mut dust = dust(scattered(300, 7.0, 0.37), eps * 4.0 / 3.0, noise);
+    for (t_stop, eps, steps) in [(1e-8, 100.0, 10_000), (0.1, 100.0, 1000), (0.01, 1.0, 1000)] {
+        let gas = gas(scattered(200, 5.6, 0.0), 1.0, noise);
+        let mut dust = dust(scattered(100, 5.6, 0.37), eps * 2.0, noise);
         for (i, s) in dust.particles.grain_radius.iter_mut().enumerate() {
             *s = 10f64.powi(i as i32 % 5);
         }
-        let domain = Domain::periodic(Vec3::repeat(7.0));
+        let domain = Domain::periodic(Vec3::repeat(5.6));
         let settings = if t_stop == 0.1 {
             settings(StoppingLaw::Epstein)
         } else {
@@ -368,14 +364,14 @@ fn heavy_stiff_dust_at_random_places_only_loses_energy() {
         let mut scene = Box::new(gas, dust, domain, settings);
         let start = scene.total();
         let mut last = start;
-        for _ in 0..5000 {
+        for _ in 0..steps {
             scene.step(1.0);
             let now = scene.total();
             let slack = 1e-14 * start.kinetic;
             assert!(now.kinetic <= last.kinetic + slack, "{now:?} {last:?}");
             last = now;
         }
-        let p = (last.p - start.p).norm() / (2.0 * start.kinetic * 4e2 * (1.0 + eps)).sqrt();
+        let p = (last.p - start.p).norm() / (2.0 * start.kinetic * 2e2 * (1.0 + eps)).sqrt();
         assert!(p < 1e-12, "momentum {p:e}");
         let energy = (last.kinetic + last.heat) / (start.kinetic + start.heat) - 1.0;
         assert!(energy.abs() < 1e-12, "energy {energy:e}");
@@ -598,55 +594,4 @@ fn the_same_bits_come_out_for_any_number_of_threads() {
     };
     let one = run(1);
     assert!(run(2) == one && run(7) == one);
-}
-
-#[test]
-#[ignore]
-fn timing() {
-    let n: usize = std::env::var("N").map_or(40, |n| n.parse().unwrap());
-    let jitter = |x: Vec<Vec3>| -> Vec<Vec3> {
-        let s = scattered(x.len(), 0.6, 0.1);
-        x.into_iter().zip(s).map(|(x, s)| x + s).collect()
-    };
-    let gas_ = gas(jitter(lattice(n, 0.0)), 1.0, |x| x * 0.01);
-    let dust_ = dust(jitter(lattice(n, 0.0)), 0.01, |x| x * 0.02);
-    let domain = Domain::periodic(Vec3::repeat(n as f64));
-    let mut scene = Box::new(gas_, dust_, domain, settings(StoppingLaw::Epstein));
-    let active = scene.active.clone();
-    let count = active.len() as f64;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .unwrap();
-    let reps: usize = std::env::var("REP").map_or(3, |n| n.parse().unwrap());
-    pool.install(|| {
-        for _ in 0..reps {
-            let t = std::time::Instant::now();
-            for _ in 0..3 {
-                for x in &mut scene.dust.particles.x {
-                    x.x += 0.02;
-                }
-                scene
-                    .exchange
-                    .prepare(&scene.gas, &mut grains(&mut scene.dust), &active, &domain);
-            }
-            let p = t.elapsed().as_secs_f64() / 3.0 / count;
-            let t = std::time::Instant::now();
-            for _ in 0..(3 * std::env::var("EX").map_or(1, |n| n.parse::<usize>().unwrap())) {
-                scene.half(0.01, Half::Opening);
-            }
-            let e = t.elapsed().as_secs_f64() / 4.0 / count;
-            println!(
-                "prepare {:.3} us, exchange {:.3} us a grain; pairs {}",
-                p * 1e6,
-                e * 1e6,
-                scene
-                    .exchange
-                    .blocks
-                    .iter()
-                    .map(|b| b.loads().count())
-                    .sum::<usize>()
-            );
-        }
-    });
 }

@@ -6,38 +6,57 @@ use rayon::prelude::*;
 use super::block::Block;
 use super::{Booking, Parcel, Vec3};
 
+const NOWHERE: u32 = u32::MAX;
+
 #[derive(Clone, Debug, Default)]
 pub struct Touched {
-    /// (gas particle, block, slot in the block), ascending
-    entries: Vec<(u32, u32, u32)>,
-    /// gas particle
+    /// (block, slot in the block), by gas particle, then by block
+    entries: Vec<(u32, u32)>,
+    /// gas particle, in the order in which the blocks name them
     gas: Vec<u32>,
     /// first entry of each gas particle, and the end
     start: Vec<u32>,
+    /// place of each gas particle in the list; nowhere between calls
+    known: Vec<u32>,
+    next: Vec<u32>,
     /// sum over the pairs by the mass of the gas particle
     pub sums: Vec<Parcel>,
 }
 
 impl Touched {
     /// Lists the gas of all blocks and tells the blocks where each of their slots is in the list.
-    pub fn list(&mut self, blocks: &mut [Block]) {
-        self.entries.clear();
-        for (b, block) in blocks.iter().enumerate() {
-            let slots = block.gas.iter().enumerate();
-            self.entries
-                .extend(slots.map(|(slot, &j)| (j, b as u32, slot as u32)));
-        }
-        self.entries.par_sort_unstable();
+    pub fn list(&mut self, blocks: &mut [Block], gas: &Gas) {
         self.gas.clear();
-        self.start.clear();
-        for (e, &(j, block, slot)) in self.entries.iter().enumerate() {
-            if self.gas.last() != Some(&j) {
-                self.gas.push(j);
-                self.start.push(e as u32);
+        self.next.clear();
+        self.known.resize(gas.len(), NOWHERE);
+        for block in &mut *blocks {
+            for (&j, place) in block.gas.iter().zip(&mut block.place) {
+                let known = &mut self.known[j as usize];
+                if *known == NOWHERE {
+                    *known = self.gas.len() as u32;
+                    self.gas.push(j);
+                    self.next.push(0);
+                }
+                *place = *known;
+                self.next[*place as usize] += 1;
             }
-            blocks[block as usize].place[slot as usize] = (self.gas.len() - 1) as u32;
         }
-        self.start.push(self.entries.len() as u32);
+        self.start.clear();
+        let mut total = 0;
+        for (&j, next) in self.gas.iter().zip(&mut self.next) {
+            self.known[j as usize] = NOWHERE;
+            self.start.push(total);
+            (*next, total) = (total, total + *next);
+        }
+        self.start.push(total);
+        self.entries.resize(total as usize, (0, 0));
+        for (b, block) in blocks.iter().enumerate() {
+            for (slot, &place) in block.place.iter().enumerate() {
+                let next = &mut self.next[place as usize];
+                self.entries[*next as usize] = (b as u32, slot as u32);
+                *next += 1;
+            }
+        }
         self.sums.clear();
         self.sums.resize(self.gas.len(), [0.0; 4]);
     }
@@ -51,7 +70,7 @@ impl Touched {
             .with_min_len(1024)
             .for_each(|(t, sum)| {
                 let mut total = [0.0; 4];
-                for &(_, block, slot) in &entries[start[t] as usize..start[t + 1] as usize] {
+                for &(block, slot) in &entries[start[t] as usize..start[t + 1] as usize] {
                     let part = &blocks[block as usize].partial[slot as usize];
                     (0..4).for_each(|k| total[k] += part[k]);
                 }

@@ -2,7 +2,11 @@
 
 use nbody::points::{Domain, Vec3};
 
+use super::near::LANES;
 use crate::Gas;
+
+/// A coordinate further than anything, whose square is finite.
+const FAR: f64 = 1e150;
 
 /// Gas particles that may be neighbours of points in a box.
 #[derive(Clone, Debug, Default)]
@@ -50,7 +54,7 @@ impl Candidates {
         self.index.is_empty()
     }
 
-    /// Collects all gas within `reach` of the box [lo, hi], images included.
+    /// Collects all gas within `reach` of the box [lo, hi], images included. The columns of coordinates are filled up to whole lanes.
     pub fn gather(&mut self, gas: &Gas, domain: &Domain, lo: Vec3, hi: Vec3, reach: f64) {
         self.centre = 0.5 * (lo + hi);
         let half = 0.5 * (hi - lo);
@@ -63,15 +67,20 @@ impl Candidates {
         }
         let mut n = 0;
         gas.tree.near(domain, (lo, hi), reach, &[], |range, shift| {
-            self.resize(n + range.len());
+            let most = n + range.len();
+            self.resize(most);
+            let (px, py) = (&mut self.x[..most], &mut self.y[..most]);
+            let (pz, index) = (&mut self.z[..most], &mut self.index[..most]);
             let offset = shift - self.centre;
-            for j in range {
-                let x = (gas.particles.x[j] + offset).component_mul(&axes);
-                let gap = (x.abs() - half).sup(&Vec3::zeros());
+            let gap = |x: f64, half: f64| (x.abs() - half).max(0.0);
+            for (j, x) in range.clone().zip(&gas.particles.x[range]) {
+                let x = (x + offset).component_mul(&axes);
+                let far = [gap(x.x, half.x), gap(x.y, half.y), gap(x.z, half.z)];
+                let far = far[0] * far[0] + far[1] * far[1] + far[2] * far[2];
                 // Written always, kept when near: no branch to mispredict.
-                (self.x[n], self.y[n], self.z[n]) = (x.x, x.y, x.z);
-                self.index[n] = j as u32;
-                n += usize::from(gap.norm_squared() < reach * reach);
+                (px[n], py[n], pz[n]) = (x.x, x.y, x.z);
+                index[n] = j as u32;
+                n += usize::from(far < reach * reach);
             }
         });
         self.resize(n);
@@ -80,6 +89,9 @@ impl Candidates {
             let m = gas.particles.m[j as usize];
             [m, m / gas.derived.rho[j as usize]]
         }));
+        for column in [&mut self.x, &mut self.y, &mut self.z] {
+            column.resize(n.next_multiple_of(LANES), FAR);
+        }
     }
 
     fn resize(&mut self, n: usize) {

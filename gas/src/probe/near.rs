@@ -2,7 +2,7 @@
 //!
 //! The smooth number within H is (volume of the sphere or disc of radius H) sum_j W(r_j, H); it grows with H.
 
-use fearless_simd::{Simd, SimdBase, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, f64x8};
 use nbody::points::{Domain, Vec3};
 
 use super::candidates::Candidates;
@@ -50,6 +50,7 @@ const TOLERANCE: f64 = 1e-3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Near {
     distance: Vec<f64>,
+    square: Vec<f64>,
     /// place among the candidates
     place: Vec<u32>,
     count: usize,
@@ -57,6 +58,24 @@ pub(super) struct Near {
 
 /// Numbers that are worked on at once.
 pub(super) const LANES: usize = 8;
+
+/// For each set of lanes their numbers, ascending; then zeros.
+const FIRST: [[u32; LANES]; 256] = {
+    let mut table = [[0; LANES]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < LANES {
+            if set >> lane & 1 == 1 {
+                table[set][place] = lane as u32;
+                place += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    table
+};
 
 /// Sum of the lanes.
 #[inline(always)]
@@ -69,30 +88,37 @@ pub(super) fn sum<S: Simd>(lanes: f64x8<S>) -> f64 {
 impl Near {
     /// Keeps the candidates within `available` of `x`, and their distances, filled up to whole lanes with distances beyond.
     #[inline(always)]
-    pub fn choose<S: Simd>(&mut self, _: S, candidates: &Candidates, x: Vec3, available: f64) {
-        let n = candidates.len();
-        self.distance.resize(n + LANES, 0.0);
-        self.place.resize(n + LANES, 0);
-        let columns = candidates.x.iter().zip(&candidates.y).zip(&candidates.z);
-        for (d, ((px, py), pz)) in self.distance.iter_mut().zip(columns) {
-            let (dx, dy, dz) = (px - x.x, py - x.y, pz - x.z);
-            *d = dx * dx + dy * dy + dz * dz;
+    pub fn choose<S: Simd>(&mut self, simd: S, candidates: &Candidates, x: Vec3, available: f64) {
+        let room = candidates.x.len() + LANES;
+        if self.place.len() < room {
+            self.place.resize(room, 0);
+            self.square.resize(room, 0.0);
         }
-        let (distance, place) = (&mut self.distance[..n], &mut self.place[..n]);
         let most = available * available;
+        let columns =
+            [&candidates.x, &candidates.y, &candidates.z].map(|c| c.as_chunks::<LANES>().0);
+        let square = self.square.as_chunks_mut::<LANES>().0;
         let mut near = 0;
-        for k in 0..n {
-            let d = distance[k];
-            // Written always, kept when near: no branch to mispredict.
-            distance[near] = d;
-            place[near] = k as u32;
-            near += usize::from(d < most);
+        for (c, square) in square.iter_mut().enumerate().take(columns[0].len()) {
+            let dx = f64x8::from_slice(simd, &columns[0][c]) - x.x;
+            let dy = f64x8::from_slice(simd, &columns[1][c]) - x.y;
+            let dz = f64x8::from_slice(simd, &columns[2][c]) - x.z;
+            let d = dx * dx + dy * dy + dz * dz;
+            d.store_slice(square);
+            let inside = d.simd_lt(most).to_bitmask() as u8;
+            // All lanes are written, those inside first; the next ones overwrite the rest.
+            let places = &mut self.place[near..near + LANES];
+            for (place, &lane) in places.iter_mut().zip(&FIRST[usize::from(inside)]) {
+                *place = (c * LANES) as u32 + lane;
+            }
+            near += inside.count_ones() as usize;
         }
+        let (square, distance) = (&self.square, &mut self.distance);
+        distance.clear();
+        distance.extend(self.place[..near].iter().map(|&k| square[k as usize]));
+        distance.resize(near.next_multiple_of(LANES), 4.0 * most);
+        distance.iter_mut().for_each(|d| *d = d.sqrt());
         self.count = near;
-        let filled = near.next_multiple_of(LANES);
-        self.distance[near..filled].fill(4.0 * most);
-        self.distance.truncate(filled);
-        self.distance.iter_mut().for_each(|d| *d = d.sqrt());
     }
 
     /// Distances and places of those kept.

@@ -222,50 +222,42 @@ impl Weights {
     /// Sum of w, w r and w r r.
     #[inline(always)]
     fn moments<S: Simd>(&self, simd: S) -> (f64, Vec3, Matrix3<f64>) {
-        let mut sums = [f64x8::splat(simd, 0.0); 10];
-        for (w, [x, y, z]) in self.lanes(simd) {
+        let none = f64x8::splat(simd, 0.0);
+        let [mut m, mut mx, mut my, mut mz] = [none; 4];
+        let [mut xx, mut xy, mut xz, mut yy, mut yz, mut zz] = [none; 6];
+        for c in 0..self.weight.len() / LANES {
+            let (w, [x, y, z]) = self.lanes(simd, c);
             let (wx, wy, wz) = (w * x, w * y, w * z);
-            sums[0] += w;
-            sums[1] += wx;
-            sums[2] += wy;
-            sums[3] += wz;
-            sums[4] += wx * x;
-            sums[5] += wx * y;
-            sums[6] += wx * z;
-            sums[7] += wy * y;
-            sums[8] += wy * z;
-            sums[9] += wz * z;
+            (m, mx, my, mz) = (m + w, mx + wx, my + wy, mz + wz);
+            (xx, xy, xz) = (xx + wx * x, xy + wx * y, xz + wx * z);
+            (yy, yz, zz) = (yy + wy * y, yz + wy * z, zz + wz * z);
         }
-        let [w, x, y, z, xx, xy, xz, yy, yz, zz] = sums.map(sum);
+        let (xy, xz, yz) = (sum(xy), sum(xz), sum(yz));
         (
-            w,
-            Vec3::new(x, y, z),
-            Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            sum(m),
+            Vec3::new(sum(mx), sum(my), sum(mz)),
+            Matrix3::new(sum(xx), xy, xz, xy, sum(yy), yz, xz, yz, sum(zz)),
         )
     }
 
-    /// Weights and relative positions, lanes at a time.
+    /// Weights and relative positions, the c-th lanes of them.
     #[inline(always)]
-    fn lanes<S: Simd>(&self, simd: S) -> impl Iterator<Item = (f64x8<S>, [f64x8<S>; 3])> + '_ {
+    fn lanes<S: Simd>(&self, simd: S, c: usize) -> (f64x8<S>, [f64x8<S>; 3]) {
+        let range = c * LANES..(c + 1) * LANES;
         let [rx, ry, rz] = &self.relative;
-        let r = rx
-            .as_chunks()
-            .0
-            .iter()
-            .zip(ry.as_chunks().0)
-            .zip(rz.as_chunks().0);
-        let columns = self.weight.as_chunks::<LANES>().0.iter().zip(r);
-        columns.map(move |(w, ((x, y), z))| {
-            let [w, x, y, z] = [w, x, y, z].map(|lanes| f64x8::from_slice(simd, lanes));
-            (w, [x, y, z])
-        })
+        let w = f64x8::from_slice(simd, &self.weight[range.clone()]);
+        let x = f64x8::from_slice(simd, &rx[range.clone()]);
+        let y = f64x8::from_slice(simd, &ry[range.clone()]);
+        let z = f64x8::from_slice(simd, &rz[range]);
+        (w, [x, y, z])
     }
 
     /// Sum of |w (level + slope.r)|.
     #[inline(always)]
     fn absolute<S: Simd>(&self, simd: S, level: f64, slope: Vec3) -> f64 {
         let mut total = f64x8::splat(simd, 0.0);
-        for (w, [x, y, z]) in self.lanes(simd) {
+        for c in 0..self.weight.len() / LANES {
+            let (w, [x, y, z]) = self.lanes(simd, c);
             total += w * (x * slope.x + y * slope.y + z * slope.z + level).abs();
         }
         sum(total)
@@ -274,17 +266,17 @@ impl Weights {
     /// Multiplies the weights by level + slope.r, and brings their sum to one.
     #[inline(always)]
     fn tilt<S: Simd>(&mut self, simd: S, level: f64, slope: Vec3) {
-        let [rx, ry, rz] = &self.relative;
-        let columns = rx.iter().zip(ry).zip(rz);
-        for (w, ((x, y), z)) in self.weight.iter_mut().zip(columns) {
-            *w *= level + slope.x * x + slope.y * y + slope.z * z;
-        }
         let mut total = f64x8::splat(simd, 0.0);
-        for (w, _) in self.lanes(simd) {
+        for c in 0..self.weight.len() / LANES {
+            let (w, [x, y, z]) = self.lanes(simd, c);
+            let w = w * (x * slope.x + y * slope.y + z * slope.z + level);
+            w.store_slice(&mut self.weight[c * LANES..(c + 1) * LANES]);
             total += w;
         }
         let norm = 1.0 / sum(total);
-        self.weight.iter_mut().for_each(|w| *w *= norm);
+        for w in &mut self.weight {
+            *w *= norm;
+        }
     }
 
     /// Rigid rotation about the neighbours' `centre`; `spread` is the covariance of their places.

@@ -1,0 +1,72 @@
+//! Row: one immersed particle in an exchange: the gas around it, and what it does.
+
+use gas::probe::Shape;
+use nbody::points::Vec3;
+
+use super::relaxation::{change, lag};
+use super::{Ambient, Half, Immersed, StoppingLaw};
+
+/// An immersed particle: the gas around it, and its exchange.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    pub h: f64,
+    pub rho: f64,
+    pub c: f64,
+    pub shape: Shape,
+    pub gain: f64,
+    /// Place of its rigid shape in `turns`.
+    pub turn: u32,
+    pub eps: f64,
+    pub m: f64,
+    pub t_stop: f64,
+    /// change of its velocity
+    pub dv: Vec3,
+    /// its change per velocity that the gas is found to have gained beyond -eps dv
+    pub share: f64,
+    /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
+    pub u_tick: Vec3,
+    pub u_middle: Vec3,
+    /// velocity of the gas at this tick
+    pub v_gas: Vec3,
+    pub x: Vec3,
+}
+
+impl Row {
+    /// The change over the half step at relative acceleration `a`, as if the gas changed by -eps times that.
+    pub fn relax<I: Immersed>(
+        &mut self,
+        law: &StoppingLaw,
+        immersed: &I,
+        i: usize,
+        (step, half): (f64, Half),
+        a: Vec3,
+    ) {
+        let kick = a * step;
+        let (start, sign) = match half {
+            Half::Closing => (self.u_tick - kick, -0.5),
+            Half::Opening => (self.u_tick, 0.5),
+        };
+        self.u_middle = self.u_tick + sign * kick;
+        let sphere = immersed.sphere(i);
+        let ambient = Ambient {
+            rho: self.rho,
+            c: self.c,
+            omega: immersed.omega(i),
+        };
+        let load = 1.0 + self.eps;
+        let depth = |speed: f64| law.e_foldings(&sphere, &ambient, speed, load * step);
+        let mut x = depth(start.norm());
+        if !law.is_linear() && kick != Vec3::zeros() {
+            // Half of what the kick leaves at the end stands for its effect on the stopping time.
+            x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
+        }
+        self.dv = change(x, start, kick) / load;
+        self.share = lag(x) / load;
+        self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
+    }
+
+    /// Heat of the row's change in gas of fixed velocity.
+    pub fn heat(&self) -> f64 {
+        -self.m * self.dv.dot(&(self.u_middle + 0.5 * self.dv))
+    }
+}
