@@ -36,13 +36,24 @@ pub struct Sources {
 impl Sources {
     /// Takes the massive ones of the particles in the given order.
     pub fn take(&mut self, order: &[u32], x: &[Vec3], m: &[f64], softening: &[f64]) {
-        self.total = crate::points::sum::ordered(m.len(), 0.0, |range| m[range].iter().sum::<f64>());
-        for column in [&mut self.x, &mut self.y, &mut self.z, &mut self.eps2, &mut self.m] {
+        self.total =
+            crate::points::sum::ordered(m.len(), 0.0, |range| m[range].iter().sum::<f64>());
+        for column in [
+            &mut self.x,
+            &mut self.y,
+            &mut self.z,
+            &mut self.eps2,
+            &mut self.m,
+        ] {
             column.clear();
         }
         self.before.clear();
         self.before.push(0);
-        let unit = if self.total > 0.0 { 1.0 / self.total } else { 0.0 };
+        let unit = if self.total > 0.0 {
+            1.0 / self.total
+        } else {
+            0.0
+        };
         for &i in order {
             let i = i as usize;
             if m[i] > 0.0 {
@@ -65,7 +76,7 @@ impl Sources {
         Vec3::new(self.x[j], self.y[j], self.z[j])
     }
 
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.m.len()
     }
 }

@@ -69,18 +69,21 @@ struct Abreast<V> {
 
 #[inline(always)]
 fn abreast<S: Simd, E: Real>(simd: S, targets: &Targets<E>, first: usize) -> Abreast<E::Native<S>> {
-    let lanes = |column: usize| {
-        std::array::from_fn(
-            #[inline(always)]
-            |k| E::Native::<S>::splat(simd, targets.columns[column][first + k]),
-        )
+    let zero = same::<S, E>(simd, 0.0);
+    let mut t = Abreast {
+        x: [zero; ABREAST],
+        y: [zero; ABREAST],
+        z: [zero; ABREAST],
+        e: [zero; ABREAST],
     };
-    Abreast {
-        x: lanes(0),
-        y: lanes(1),
-        z: lanes(2),
-        e: lanes(3),
+    let [x, y, z, e] = &targets.columns;
+    for k in 0..ABREAST {
+        t.x[k] = E::Native::<S>::splat(simd, x[first + k]);
+        t.y[k] = E::Native::<S>::splat(simd, y[first + k]);
+        t.z[k] = E::Native::<S>::splat(simd, z[first + k]);
+        t.e[k] = E::Native::<S>::splat(simd, e[first + k]);
     }
+    t
 }
 
 #[inline(always)]
@@ -111,7 +114,10 @@ fn separation<S: Simd, E: Real, const C: usize>(
     let dy = load(simd, block, 1, i) - t.y[k];
     let dz = load(simd, block, 2, i) - t.z[k];
     let e = load(simd, block, 3, i) + t.e[k];
-    ([dx, dy, dz], dz.mul_add(dz, dy.mul_add(dy, dx.mul_add(dx, e))))
+    (
+        [dx, dy, dz],
+        dz.mul_add(dz, dy.mul_add(dy, dx.mul_add(dx, e))),
+    )
 }
 
 /// Adds the pull of `block` to `pulls`. With `NEAR`, pairs with q^2 <= `closest` are left out and counted in `hits`.
@@ -160,17 +166,29 @@ pub fn pull_of_points<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bool, c
                 }
             }
         }
-        for k in 0..ABREAST.min(targets.len - first) {
-            let pull = &mut pulls[first + k];
-            for axis in 0..3 {
-                pull.a[axis] += R::sum(a[k][axis]);
-            }
-            if POTENTIAL {
-                pull.phi -= R::sum(phi[k]);
-            }
-            if NEAR {
+        let served = ABREAST.min(targets.len - first);
+        add::<S, E, R, POTENTIAL>(&mut pulls[first..first + served], &a, &phi);
+        if NEAR {
+            for k in 0..served {
                 hits[first + k] = R::sum(near[k]) as u32;
             }
+        }
+    }
+}
+
+/// Adds the sums of a block over its lanes to `pulls`.
+#[inline(always)]
+fn add<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bool>(
+    pulls: &mut [Pull],
+    a: &[[E::Native<S>; 3]; ABREAST],
+    phi: &[E::Native<S>; ABREAST],
+) {
+    for (k, pull) in pulls.iter_mut().enumerate() {
+        for (sum, part) in pull.a.iter_mut().zip(a[k]) {
+            *sum += R::sum(part);
+        }
+        if POTENTIAL {
+            pull.phi -= R::sum(phi[k]);
         }
     }
 }
@@ -207,7 +225,11 @@ pub fn pull_of_quadrupoles<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bo
     pulls: &mut [Pull],
 ) {
     let zero = same::<S, E>(simd, 0.0);
-    let (half, three_halves, five_halves) = (same::<S, E>(simd, 0.5), same::<S, E>(simd, 1.5), same::<S, E>(simd, 2.5));
+    let (half, three_halves, five_halves) = (
+        same::<S, E>(simd, 0.5),
+        same::<S, E>(simd, 1.5),
+        same::<S, E>(simd, 2.5),
+    );
     for first in (0..targets.len).step_by(ABREAST) {
         let t = abreast(simd, targets, first);
         let mut a = [[zero; 3]; ABREAST];
@@ -219,8 +241,16 @@ pub fn pull_of_quadrupoles<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bo
                 let y = y * (q * y * y).mul_add(-half, three_halves);
                 let y2 = y * y;
                 let [ux, uy, uz] = [d[0] * y, d[1] * y, d[2] * y];
-                let (xx, yy, zz) = (load(simd, block, 5, i), load(simd, block, 6, i), load(simd, block, 7, i));
-                let (xy, xz, yz) = (load(simd, block, 8, i), load(simd, block, 9, i), load(simd, block, 10, i));
+                let (xx, yy, zz) = (
+                    load(simd, block, 5, i),
+                    load(simd, block, 6, i),
+                    load(simd, block, 7, i),
+                );
+                let (xy, xz, yz) = (
+                    load(simd, block, 8, i),
+                    load(simd, block, 9, i),
+                    load(simd, block, 10, i),
+                );
                 let gx = xx.mul_add(ux, xy.mul_add(uy, xz * uz));
                 let gy = xy.mul_add(ux, yy.mul_add(uy, yz * uz));
                 let gz = xz.mul_add(ux, yz.mul_add(uy, zz * uz));
@@ -237,14 +267,113 @@ pub fn pull_of_quadrupoles<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bo
                 }
             }
         }
-        for k in 0..ABREAST.min(targets.len - first) {
-            let pull = &mut pulls[first + k];
-            for axis in 0..3 {
-                pull.a[axis] += R::sum(a[k][axis]);
+        let served = ABREAST.min(targets.len - first);
+        add::<S, E, R, POTENTIAL>(&mut pulls[first..first + served], &a, &phi);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lanes::Job;
+    use super::*;
+    use fearless_simd::Level;
+
+    /// One source of each kind at the same place, pulling on one target.
+    struct Once<'a, E> {
+        targets: &'a Targets<E>,
+        points: &'a Points<E>,
+        quadrupoles: &'a Quadrupoles<E>,
+        pulls: &'a mut [Pull],
+    }
+
+    impl<E: Real> Job<E> for Once<'_, E> {
+        #[inline(always)]
+        fn run<S: Simd, R: Lanes<S, E>>(self, simd: S) {
+            let (one, two) = self.pulls.split_at_mut(1);
+            let none = E::from_f64(0.0);
+            pull_of_points::<S, E, R, true, false>(
+                simd,
+                self.targets,
+                self.points,
+                none,
+                one,
+                &mut [0],
+            );
+            pull_of_quadrupoles::<S, E, R, true>(simd, self.targets, self.quadrupoles, two);
+        }
+    }
+
+    fn block<E: Real, const C: usize>(rows: &[[f64; C]]) -> Block<E, C> {
+        let mut block = Block::with_capacity(rows.len());
+        block.len = rows.len();
+        for (i, row) in rows.iter().enumerate() {
+            for (column, &value) in block.columns.iter_mut().zip(row) {
+                column[i] = E::from_f64(value);
             }
-            if POTENTIAL {
-                pull.phi -= R::sum(phi[k]);
+        }
+        block.pad();
+        block
+    }
+
+    /// Relative error of the quadrupole of a few points at `distance`, in force and potential.
+    fn truncation<E: Real>(level: Level, distance: f64) -> (f64, f64) {
+        let points = [
+            [0.5, 0.1, -0.3, 0.04, 0.2],
+            [-0.4, 0.3, 0.2, 0.04, 0.3],
+            [0.04, -0.22, 0.0, 0.04, 0.5],
+        ];
+        let mut s = [0.0; 6];
+        for [x, y, z, _, m] in points {
+            for (s, p) in s.iter_mut().zip([x * x, y * y, z * z, x * y, x * z, y * z]) {
+                *s += 3.0 * m * p;
             }
+        }
+        let trace = 0.5 * (s[0] + s[1] + s[2]);
+        let row = [
+            0.0, 0.0, 0.0, 0.04, 1.0, s[0], s[1], s[2], s[3], s[4], s[5], trace,
+        ];
+        let centre: [f64; 3] =
+            std::array::from_fn(|axis| points.iter().map(|p| p[4] * p[axis]).sum());
+        assert!(
+            centre.iter().all(|c| c.abs() < 1e-12),
+            "the points balance: {centre:?}"
+        );
+        let mut pulls = [Pull::default(); 2];
+        E::run(
+            level,
+            Once {
+                targets: &block(&[[0.48 * distance, -0.6 * distance, 0.64 * distance, 0.01]]),
+                points: &block(&points),
+                quadrupoles: &block(&[row]),
+                pulls: &mut pulls,
+            },
+        );
+        let [exact, far] = pulls;
+        let square = |a: [f64; 3]| a.iter().map(|a| a * a).sum::<f64>();
+        let error = square(std::array::from_fn(|i| far.a[i] - exact.a[i]));
+        (
+            (error / square(exact.a)).sqrt(),
+            ((far.phi - exact.phi) / exact.phi).abs(),
+        )
+    }
+
+    #[test]
+    fn quadrupoles_leave_a_third_order_error() {
+        for level in [Level::new(), Level::baseline()] {
+            let (near, far) = (
+                truncation::<f64>(level, 8.0),
+                truncation::<f64>(level, 16.0),
+            );
+            assert!(
+                (near.0 / far.0).log2() > 2.9 && near.0 < 2e-3,
+                "{near:?} {far:?}"
+            );
+            assert!(
+                (near.1 / far.1).log2() > 2.9 && near.1 < 1e-3,
+                "{near:?} {far:?}"
+            );
+            let single = truncation::<f32>(level, 8.0);
+            assert!((single.0 - near.0).abs() < 1e-6 && (single.1 - near.1).abs() < 1e-6);
         }
     }
 }

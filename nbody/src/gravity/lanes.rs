@@ -45,7 +45,8 @@ pub struct Estimate;
 mod x86 {
     use super::{Estimate, Lanes};
     use fearless_simd::{
-        Avx2, Avx512, ExtractToken, Simd, SimdBase, SimdFloat, SimdInto, f32x8, f32x16, f64x8, kernel,
+        Avx2, Avx512, ExtractToken, Simd, SimdBase, SimdFloat, SimdInto, f32x8, f32x16, f64x8,
+        kernel,
     };
 
     kernel!(
@@ -78,7 +79,6 @@ mod x86 {
             core::arch::x86_64::_mm256_rsqrt_ps(q.into()).simd_into(token)
         }
     );
-
 
     impl Lanes<Avx512, f32> for Estimate {
         #[inline(always)]

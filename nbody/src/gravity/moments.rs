@@ -79,3 +79,32 @@ pub fn refresh(tree: &Tree, sources: &Sources, moments: &mut Vec<Moment>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(n: u32) -> Vec<Moment> {
+        let f = |i: u32, k: f64| (f64::from(i) * k).fract();
+        let point = |i| Moment {
+            m: 0.1 + f(i, 0.316_228),
+            centre: Vec3::new(f(i, 0.618_034), f(i, 0.414_214), f(i, 0.732_051)),
+            eps2: f(i, 0.236_068),
+            second: [0.0; 6],
+        };
+        (1..=n).map(point).collect()
+    }
+
+    #[test]
+    fn shifted_moments_are_those_of_the_particles() {
+        let all = points(30);
+        let whole = Moment::of(all.iter().copied());
+        let parts = [&all[..7], &all[7..20], &all[20..]];
+        let shifted = Moment::of(parts.map(|p| Moment::of(p.iter().copied())).into_iter());
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-14 * a.abs().max(1.0);
+        assert!(near(whole.m, shifted.m) && near(whole.eps2, shifted.eps2));
+        assert!((whole.centre - shifted.centre).norm() < 1e-14);
+        let pairs = whole.second.iter().zip(shifted.second);
+        assert!(pairs.into_iter().all(|(&a, b)| near(a, b)));
+    }
+}

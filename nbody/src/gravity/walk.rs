@@ -4,8 +4,6 @@
 //! keeps targets outside of the node; reach^5 is the octupole's size that the expansion leaves out: the error of a node's
 //! acceleration is about (m b^3) / d^5 with m b^2 the trace of the second moments.
 
-use std::ops::Range;
-
 use crate::points::{Node, Tree, Vec3};
 
 use super::direct::Sources;
@@ -54,14 +52,21 @@ impl Criterion {
     }
 }
 
+impl Criterion {
+    /// Orders two criteria of one kind, the stricter first.
+    pub fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        other.scale().total_cmp(&self.scale())
+    }
+}
+
 /// Prepares the walk; `by_error` for [`Criterion::Error`], else for [`Criterion::Angle`].
 pub fn lenses(tree: &Tree, sources: &Sources, moments: &[Moment], by_error: bool) -> Vec<Lens> {
     let lens = |(node, moment): (&Node, &Moment)| {
         let corner = (moment.centre - node.lo).sup(&(node.hi - moment.centre));
         let size2 = corner.norm_squared();
         let range = sources.of(node.range());
-        let reach2 = if by_error && moment.m > 0.0 {
-            moment.trace().powf(0.6) * moment.m.powf(-0.2)
+        let reach2 = if by_error {
+            (moment.trace() * size2.sqrt()).powf(0.4)
         } else {
             size2
         };
@@ -86,15 +91,19 @@ pub struct Lists {
     pub far: Vec<(u32, u32)>,
     /// ranges of sources that touch the group
     pub near: Vec<(u32, u32)>,
+    /// nodes that each group of a cluster has to decide on
+    undecided: Vec<u32>,
+    /// entries of `nodes` and `far` that all groups of a cluster share
+    shared: (usize, usize),
 }
 
-/// The targets' box, and how near is near.
+/// The box around targets, and how near is near.
 #[derive(Clone, Copy, Debug)]
 pub struct Region {
     pub lo: Vec3,
     pub hi: Vec3,
     pub near: f64,
-    /// node that the targets are in; its sources are left out of the lists
+    /// node that the targets are in
     pub home: usize,
 }
 
@@ -106,6 +115,11 @@ impl Region {
             .norm_squared()
     }
 
+    /// Square of the distance from `x` to the corner furthest away.
+    fn furthest2(&self, x: Vec3) -> f64 {
+        (x - self.lo).sup(&(self.hi - x)).norm_squared()
+    }
+
     fn apart(&self, node: &Node) -> bool {
         let gap = (self.lo - node.hi)
             .sup(&(node.lo - self.hi))
@@ -114,49 +128,110 @@ impl Region {
     }
 }
 
+/// A tree with what the walk needs to know.
+#[derive(Clone, Copy)]
+pub struct Forest<'a> {
+    pub tree: &'a Tree,
+    pub lenses: &'a [Lens],
+}
+
 impl Lists {
-    /// Walks the tree for one group.
-    pub fn fill(&mut self, tree: &Tree, lenses: &[Lens], region: &Region, criterion: Criterion) {
+    /// Walks the tree for a cluster of groups, as far as the answer is the same for all of them; `strict` and `loose` are the
+    /// criteria of the groups that ask most and least.
+    pub fn share(&mut self, forest: Forest, cluster: &Region, strict: Criterion, loose: Criterion) {
+        let Forest { tree, lenses } = forest;
         self.nodes.clear();
         self.far.clear();
-        self.near.clear();
-        let scale = criterion.scale();
-        let all_pairs = criterion == Criterion::Never;
-        let near2 = region.near * region.near;
+        self.undecided.clear();
+        self.shared = (0, 0);
+        let (strict, loose) = (strict.scale(), loose.scale());
+        let all_pairs = strict.is_infinite();
+        let near2 = cluster.near * cluster.near;
+        let cluster_range = tree.nodes[cluster.home].range();
         let mut i = 0;
         while i < lenses.len() {
             let lens = &lenses[i];
-            let d2 = region.distance2(lens.centre);
-            if i == region.home || lens.first == lens.end {
-                i = lens.skip as usize;
-            } else if !all_pairs && d2 > (lens.reach2 * scale).max(lens.bound2.max(near2)) {
-                if lens.end - lens.first <= FEW {
-                    self.add(region, &tree.nodes[i], lens.first..lens.end);
-                } else {
-                    self.nodes.push(i as u32);
-                }
-                i = lens.skip as usize;
-            } else if lens.skip as usize == i + 1 {
-                self.add(region, &tree.nodes[i], lens.first..lens.end);
+            let node = &tree.nodes[i];
+            let skip = lens.skip as usize;
+            let leaf = skip == i + 1;
+            let must_open =
+                cluster.furthest2(lens.centre) <= (lens.reach2 * loose).max(lens.bound2);
+            let group_inside = node.count() <= super::GROUP
+                && cluster_range.start <= node.range().start
+                && node.range().end <= cluster_range.end;
+            let d2 = cluster.distance2(lens.centre);
+            if lens.first == lens.end {
+                i = skip;
+            } else if !all_pairs && d2 > (lens.reach2 * strict).max(lens.bound2.max(near2)) {
+                self.take(i, lens, cluster, node);
+                i = skip;
+            } else if group_inside {
+                self.undecided.push(i as u32);
+                i = skip;
+            } else if (all_pairs || leaf && must_open) && cluster.apart(node) {
+                self.add_points(cluster, node, lens);
+                i = skip;
+            } else if (all_pairs || must_open) && !leaf {
                 i += 1;
-            } else if all_pairs && region.apart(&tree.nodes[i]) {
-                self.add(region, &tree.nodes[i], lens.first..lens.end);
-                i = lens.skip as usize;
             } else {
-                i += 1;
+                self.undecided.push(i as u32);
+                i = skip;
             }
+        }
+        self.shared = (self.nodes.len(), self.far.len());
+    }
+
+    /// Completes the lists for one group of the cluster. The sources of the group's own node are left out.
+    pub fn complete(&mut self, forest: Forest, region: &Region, criterion: Criterion) {
+        let Forest { tree, lenses } = forest;
+        self.nodes.truncate(self.shared.0);
+        self.far.truncate(self.shared.1);
+        self.near.clear();
+        let scale = criterion.scale();
+        let all_pairs = scale.is_infinite();
+        let near2 = region.near * region.near;
+        let undecided = std::mem::take(&mut self.undecided);
+        for &top in &undecided {
+            let mut i = top as usize;
+            let end = lenses[i].skip as usize;
+            while i < end {
+                let lens = &lenses[i];
+                let skip = lens.skip as usize;
+                let d2 = region.distance2(lens.centre);
+                if i == region.home || lens.first == lens.end {
+                    i = skip;
+                } else if !all_pairs && d2 > (lens.reach2 * scale).max(lens.bound2.max(near2)) {
+                    self.take(i, lens, region, &tree.nodes[i]);
+                    i = skip;
+                } else {
+                    i += 1;
+                    if skip == i {
+                        self.add_points(region, &tree.nodes[i - 1], lens);
+                    }
+                }
+            }
+        }
+        self.undecided = undecided;
+    }
+
+    fn take(&mut self, i: usize, lens: &Lens, region: &Region, node: &Node) {
+        if lens.end - lens.first <= FEW && region.apart(node) {
+            self.add_points(region, node, lens);
+        } else {
+            self.nodes.push(i as u32);
         }
     }
 
-    fn add(&mut self, region: &Region, node: &Node, range: Range<u32>) {
-        let list = if region.apart(node) {
-            &mut self.far
+    fn add_points(&mut self, region: &Region, node: &Node, lens: &Lens) {
+        let (list, shared) = if region.apart(node) {
+            (&mut self.far, self.shared.1)
         } else {
-            &mut self.near
+            (&mut self.near, 0)
         };
+        let grows = list.len() > shared;
         match list.last_mut() {
-            Some(last) if last.1 == range.start => last.1 = range.end,
-            _ => list.push((range.start, range.end)),
+            Some(last) if grows && last.1 == lens.first => last.1 = lens.end,
+            _ => list.push((lens.first, lens.end)),
         }
     }
 
