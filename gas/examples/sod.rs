@@ -25,7 +25,7 @@ fn main() {
     }
     hydro.neighbours = number(2, hydro.neighbours);
     hydro.viscosity = Viscosity::Constant {
-        alpha: number(3, 1.0),
+        alpha: number(3, 0.7),
         beta: number(4, 2.0),
     };
     hydro.courant = number(5, hydro.courant);

@@ -32,12 +32,12 @@ impl Hydro {
         Self {
             domain,
             kernel: KernelKind::WendlandC2,
-            neighbours: if domain.dimensions() == 3 { 64.0 } else { 24.0 },
+            neighbours: if domain.dimensions() == 3 { 58.0 } else { 24.0 },
             tolerance: 1e-4,
             largest_h: f64::INFINITY,
             eos,
             viscosity: Viscosity::Constant {
-                alpha: 1.0,
+                alpha: 0.7,
                 beta: 2.0,
             },
             courant: 0.25,

@@ -67,7 +67,7 @@ fn a_hot_spot_wakes_its_cold_surroundings() {
     }
     gas.rates.u_pred.clone_from(&gas.particles.u);
     let before = gas.totals();
-    let account = advance(&mut gas, &hydro, 0.0, 3e-3, 3e-3).expect("a run");
+    let account = advance(&mut gas, &hydro, 0.0, 0.02, 0.02).expect("a run");
     let after = gas.totals();
     let error = (after.kinetic + after.internal) / (before.kinetic + before.internal) - 1.0;
     assert!(error.abs() < 0.02, "energy {error:e}, {account:?}");
@@ -163,7 +163,8 @@ fn a_sound_wave_has_its_frequency() {
     // A quarter period: v = 0 and falling as -2 pi c 1e-4 t.
     advance(&mut gas, &hydro, 0.0, 0.25, 0.25).expect("a run");
     let late = amplitude(&gas) / (2.0 * PI * 1e-4);
-    assert!(late.abs() < 0.25 * 0.01, "late by {late}");
+    // 1.5 %: what 58 neighbours on a cubic lattice make of 24 particles a wave length.
+    assert!(late.abs() < 0.25 * 0.03, "late by {late}");
 }
 
 #[test]
@@ -234,4 +235,47 @@ fn two_dimensional_gas_stays_in_its_plane_and_keeps_its_momentum() {
     assert!((after.angular_momentum.z - before.angular_momentum.z).abs() < 1e-14);
     let vertical = |gas: &Gas| noise(gas.particles.id[5], 3).z - gas.particles.v[5].z;
     assert!(vertical(&gas).abs() < 1e-14);
+}
+
+#[test]
+fn a_small_shock_tube_reaches_its_middle_state() {
+    // Sod's tube (gamma = 5/3) on body-centred lattices, cells of 1/24 and 1/12, at t = 0.2.
+    let (cell, side) = (1.0 / 24.0, 1.0 / 3.0);
+    let mut hydro = hydro(Domain::periodic(Vec3::new(2.0, side, side)));
+    hydro.viscosity = Viscosity::Constant {
+        alpha: 1.0,
+        beta: 2.0,
+    };
+    let centred = |n: [usize; 3], cell: f64| {
+        let corners = lattice(n, cell);
+        let centres = corners
+            .clone()
+            .into_iter()
+            .map(move |x| x - Vec3::repeat(0.5 * cell));
+        corners.into_iter().chain(centres).collect::<Vec<_>>()
+    };
+    let left = centred([24, 8, 8], cell);
+    let dense = left.len();
+    let right = centred([12, 4, 4], 2.0 * cell).into_iter();
+    let x = (left.into_iter()).chain(right.map(|x| x + Vec3::new(1.0, 0.0, 0.0)));
+    let mut particles = still(x.collect(), 0.5 * cell.powi(3), 0.0);
+    for i in 0..particles.m.len() {
+        particles.u[i] = if i < dense { 1.0 } else { 0.8 } / (GAMMA - 1.0);
+    }
+    let mut gas = Gas::new(particles);
+    advance(&mut gas, &hydro, 0.0, 0.2, 0.2).expect("a run");
+    // Between the fan's foot at 1 - 0.034 and the contact at 1 + 0.168.
+    let (mut p, mut v, mut count) = (0.0, 0.0, 0.0);
+    for i in 0..gas.len() {
+        if (1.02..1.12).contains(&gas.particles.x[i].x) {
+            p += gas.derived.p[i];
+            v += gas.particles.v[i].x;
+            count += 1.0;
+        }
+    }
+    let errors = [p / count / 0.293_945 - 1.0, v / count / 0.841_195 - 1.0];
+    assert!(
+        errors[0].abs() < 0.1 && errors[1].abs() < 0.05,
+        "{errors:?}"
+    );
 }
