@@ -1,1 +1,18 @@
+//! The field's problems, run from scene files through the whole program, against their exact answers.
 
+mod bench;
+mod coupled {
+    mod conservation;
+    mod economy;
+    mod reproducible;
+}
+mod dust {
+    mod dusty_box;
+}
+mod gas {
+    mod shock_tube;
+}
+mod nbody {
+    mod orbits;
+}
+mod architecture;

@@ -55,11 +55,29 @@ impl Operator for Accretion {
 fn accrete(system: &mut System, population: usize, time: f64) -> bool {
     let (centre, radius) = (system.star.x[0], system.star.radius[0]);
     let (x, v, m, id): (&[Vec3], &[Vec3], &[f64], &[u64]) = match population {
-        0 => (&system.gas.particles.x, &system.gas.particles.v, &system.gas.particles.m, &system.gas.particles.id),
-        1 => (&system.dust.particles.x, &system.dust.particles.v, &system.dust.particles.m, &system.dust.particles.id),
-        _ => (&system.bodies.x, &system.bodies.v, &system.bodies.m, &system.bodies.id),
+        0 => (
+            &system.gas.particles.x,
+            &system.gas.particles.v,
+            &system.gas.particles.m,
+            &system.gas.particles.id,
+        ),
+        1 => (
+            &system.dust.particles.x,
+            &system.dust.particles.v,
+            &system.dust.particles.m,
+            &system.dust.particles.id,
+        ),
+        _ => (
+            &system.bodies.x,
+            &system.bodies.v,
+            &system.bodies.m,
+            &system.bodies.id,
+        ),
     };
-    let keep: Vec<bool> = x.iter().map(|p| (p - centre).norm_squared() >= radius * radius).collect();
+    let keep: Vec<bool> = x
+        .iter()
+        .map(|p| (p - centre).norm_squared() >= radius * radius)
+        .collect();
     if keep.iter().all(|&k| k) {
         return false;
     }
@@ -101,7 +119,9 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
         _ => {
             system.bodies.retain(&keep);
             let mut flags = keep.iter();
-            system.pending_bodies.retain(|_| *flags.next().expect("one flag a body"));
+            system
+                .pending_bodies
+                .retain(|_| *flags.next().expect("one flag a body"));
         }
     }
     true
@@ -130,7 +150,13 @@ impl Operator for Mergers {
         }
         // Impulses on their way go to whoever carries the momentum after the merger.
         system.settle_impulses();
-        let outcome = collisions::merge(&mut system.bodies, encounters, &system.domain, system.g, system.clock.time());
+        let outcome = collisions::merge(
+            &mut system.bodies,
+            encounters,
+            &system.domain,
+            system.g,
+            system.clock.time(),
+        );
         for event in &outcome.events {
             system.ledger.spin += event.spin;
             system.ledger.dissipated += event.energy_lost;

@@ -16,7 +16,12 @@ impl Operator for DriftGas {
         "drift gas"
     }
 
-    fn cross(&mut self, system: &mut System, dt: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+    fn cross(
+        &mut self,
+        system: &mut System,
+        dt: f64,
+        meter: &mut dyn Meter,
+    ) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
         let domain = system.domain;
         system.gas.drift(dt, &domain);
@@ -32,7 +37,12 @@ impl Operator for DriftDust {
         "drift dust"
     }
 
-    fn cross(&mut self, system: &mut System, dt: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+    fn cross(
+        &mut self,
+        system: &mut System,
+        dt: f64,
+        meter: &mut dyn Meter,
+    ) -> Result<bool, Fault> {
         meter.enter(Phase::Dust);
         let domain = system.domain;
         system.dust.drift(dt, &domain);
@@ -58,7 +68,10 @@ impl Operator for DriftStraight {
         let dt = elapsed(system);
         let active = system.bodies_active();
         let seen = &mut system.seen;
-        for (bodies, x) in [(&mut system.star, &mut seen.star_x), (&mut system.bodies, &mut seen.x)] {
+        for (bodies, x) in [
+            (&mut system.star, &mut seen.star_x),
+            (&mut system.bodies, &mut seen.x),
+        ] {
             for ((seen, x), v) in x.iter_mut().zip(&mut bodies.x).zip(&bodies.v) {
                 *seen = *x + *v * dt;
                 if active {
@@ -73,7 +86,12 @@ impl Operator for DriftStraight {
 /// A body that its integrator cannot move.
 fn fault(system: &System, stuck: Stuck) -> Fault {
     let id = system.bodies.id.get(stuck.place).copied().unwrap_or(0);
-    Fault::Stuck { population: Population::Planetesimals, id, reason: stuck.refusal.to_string(), time: system.clock.time() }
+    Fault::Stuck {
+        population: Population::Planetesimals,
+        id,
+        reason: stuck.refusal.to_string(),
+        time: system.clock.time(),
+    }
 }
 
 /// Moves star and bodies by the Kepler map of Wisdom & Holman (1991) in democratic heliocentric coordinates.
@@ -97,7 +115,8 @@ impl Operator for DriftKepler {
             system.look();
             return Ok(true);
         }
-        let seen = wisdom_holman::predict(&system.star, &system.bodies, system.g, dt, &mut self.ahead);
+        let seen =
+            wisdom_holman::predict(&system.star, &system.bodies, system.g, dt, &mut self.ahead);
         seen.map_err(|stuck| fault(system, stuck))?;
         let seen = &mut system.seen;
         seen.x.clone_from(&self.ahead.x);
@@ -119,7 +138,10 @@ pub struct DriftRadau {
 
 impl DriftRadau {
     pub fn new(kicked: bool) -> Self {
-        Self { kicked, kepler: DriftKepler::default() }
+        Self {
+            kicked,
+            kepler: DriftKepler::default(),
+        }
     }
 }
 
@@ -128,7 +150,12 @@ impl Operator for DriftRadau {
         "drift bodies"
     }
 
-    fn cross(&mut self, system: &mut System, dt: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+    fn cross(
+        &mut self,
+        system: &mut System,
+        dt: f64,
+        meter: &mut dyn Meter,
+    ) -> Result<bool, Fault> {
         if !system.bodies_active() {
             return self.kepler.cross(system, dt, meter);
         }
@@ -176,7 +203,8 @@ impl Pairs {
         for i in 0..x.len() {
             for j in 0..i {
                 let d = x[j] - x[i];
-                let soft = self.softening[i] * self.softening[i] + self.softening[j] * self.softening[j];
+                let soft =
+                    self.softening[i] * self.softening[i] + self.softening[j] * self.softening[j];
                 let r2 = d.norm_squared() + soft;
                 let f = d * (self.g / (r2 * r2.sqrt()));
                 a[i] += f * self.m[j];

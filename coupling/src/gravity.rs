@@ -137,15 +137,23 @@ impl Field {
         if take(1) {
             self.x.extend_from_slice(&dust.x);
             self.m.extend(dust.m.iter().map(|&m| pulling(1, m)));
-            self.softening.extend(dust.h.iter().map(|&h| plan.dust.of(h)));
+            self.softening
+                .extend(dust.h.iter().map(|&h| plan.dust.of(h)));
             numbers[1] = dust.x.len();
         }
         if take(2) {
             let bodies = &system.bodies;
             // Planets pull pair by pair, outside the tree.
-            let small = |i: usize| if bodies.kind[i] == Kind::Planet as u32 { 0.0 } else { bodies.m[i] };
+            let small = |i: usize| {
+                if bodies.kind[i] == Kind::Planet as u32 {
+                    0.0
+                } else {
+                    bodies.m[i]
+                }
+            };
             self.x.extend_from_slice(&system.seen.x);
-            self.m.extend((0..bodies.x.len()).map(|i| pulling(2, small(i))));
+            self.m
+                .extend((0..bodies.x.len()).map(|i| pulling(2, small(i))));
             self.softening.extend_from_slice(&bodies.softening);
             numbers[2] = bodies.x.len();
         }
@@ -171,7 +179,11 @@ impl Field {
                     // Planets feel nothing through the tree: they receive what they do to others.
                     _ => system.bodies_active() && system.bodies.kind[i] != Kind::Planet as u32,
                 };
-                self.active.extend((0..numbers[k]).filter(|&i| active(i)).map(|i| (first + i) as u32));
+                self.active.extend(
+                    (0..numbers[k])
+                        .filter(|&i| active(i))
+                        .map(|i| (first + i) as u32),
+                );
             }
             ends[k] = self.active.len();
             first += numbers[k];
@@ -184,8 +196,11 @@ impl Field {
         let ends = self.choose(system);
         let n = self.active.len();
         self.acceleration.resize(n, Vec3::zeros());
-        self.potential.resize(if system.reporting { n } else { 0 }, 0.0);
-        let count = self.solver.field(&self.active, &mut self.acceleration, &mut self.potential);
+        self.potential
+            .resize(if system.reporting { n } else { 0 }, 0.0);
+        let count = self
+            .solver
+            .field(&self.active, &mut self.acceleration, &mut self.potential);
         meter.count(n, count.interactions);
         let numbers = self.built.unwrap_or_default();
         let potential = |k: usize| self.potential.get(k).copied().unwrap_or(0.0);
@@ -223,7 +238,13 @@ pub fn heavies(system: &System) -> Vec<Heavy> {
     let of = |bodies: &Bodies, x: &[Vec3], star: bool| -> Vec<Heavy> {
         (0..bodies.x.len())
             .filter(|&i| star || bodies.kind[i] == Kind::Planet as u32)
-            .map(|i| Heavy { x: x[i], m: bodies.m[i], softening: bodies.softening[i], place: i, star })
+            .map(|i| Heavy {
+                x: x[i],
+                m: bodies.m[i],
+                softening: bodies.softening[i],
+                place: i,
+                star,
+            })
             .collect()
     };
     let mut all = of(&system.star, &system.seen.star_x, true);
@@ -244,7 +265,10 @@ impl Heavy {
         let r2 = dx.norm_squared() + self.softening * self.softening + own * own;
         if r2 > 0.0 {
             let inverse = 1.0 / r2.sqrt();
-            (dx * (self.m * inverse * inverse * inverse), -self.m * inverse)
+            (
+                dx * (self.m * inverse * inverse * inverse),
+                -self.m * inverse,
+            )
         } else {
             (Vec3::zeros(), 0.0)
         }
@@ -283,32 +307,77 @@ fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
     let mut energy = 0.0;
     let (gas, dust) = (&mut system.gas, &mut system.dust);
     let none = Vec::new();
-    let sets: [(&[Vec3], &[f64], &[f64], Option<Softening>, &[u32], &mut [f64]); 3] = [
-        (&gas.particles.x, &gas.particles.m, &gas.particles.h, Some(plan.gas), &none, &mut gas.rates.potential),
-        (&dust.particles.x, &dust.particles.m, &dust.particles.h, Some(plan.dust), &none, &mut dust.rates.potential),
-        (&system.seen.x, &system.bodies.m, &system.bodies.softening, None, &system.bodies.kind, &mut system.bodies.potential),
+    let sets: [(
+        &[Vec3],
+        &[f64],
+        &[f64],
+        Option<Softening>,
+        &[u32],
+        &mut [f64],
+    ); 3] = [
+        (
+            &gas.particles.x,
+            &gas.particles.m,
+            &gas.particles.h,
+            Some(plan.gas),
+            &none,
+            &mut gas.rates.potential,
+        ),
+        (
+            &dust.particles.x,
+            &dust.particles.m,
+            &dust.particles.h,
+            Some(plan.dust),
+            &none,
+            &mut dust.rates.potential,
+        ),
+        (
+            &system.seen.x,
+            &system.bodies.m,
+            &system.bodies.softening,
+            None,
+            &system.bodies.kind,
+            &mut system.bodies.potential,
+        ),
     ];
     for (x, m, h, softening, kind, potential) in sets {
-        energy += 0.5 * sum::ordered(x.len(), 0.0, |range| range.fold(0.0, |sum, i| sum + m[i] * potential[i]));
+        energy += 0.5
+            * sum::ordered(x.len(), 0.0, |range| {
+                range.fold(0.0, |sum, i| sum + m[i] * potential[i])
+            });
         let added: Vec<f64> = (0..x.len())
             .into_par_iter()
             .with_min_len(sum::CHUNK)
             .map(|i| {
                 let own = softening.map_or(h[i], |s| s.of(h[i]));
                 let planet = kind.get(i).is_some_and(|&k| k == Kind::Planet as u32);
-                let others = heavies.iter().filter(|heavy| heavy.star || !planet || heavy.place != i);
+                let others = heavies
+                    .iter()
+                    .filter(|heavy| heavy.star || !planet || heavy.place != i);
                 others.map(|heavy| g * heavy.pull(x[i], own).1).sum()
             })
             .collect();
-        let pair = |i: usize| if kind.get(i).is_some_and(|&k| k == Kind::Planet as u32) { 0.0 } else { m[i] };
-        energy += sum::ordered(x.len(), 0.0, |range| range.fold(0.0, |sum, i| sum + pair(i) * added[i]));
+        let pair = |i: usize| {
+            if kind.get(i).is_some_and(|&k| k == Kind::Planet as u32) {
+                0.0
+            } else {
+                m[i]
+            }
+        };
+        energy += sum::ordered(x.len(), 0.0, |range| {
+            range.fold(0.0, |sum, i| sum + pair(i) * added[i])
+        });
         for (phi, more) in potential.iter_mut().zip(added) {
             *phi += more;
         }
     }
     for (k, heavy) in heavies.iter().enumerate() {
         for other in &heavies[..k] {
-            let softening = if heavy.star || other.star { 0.0 } else { other.softening };
+            let softening = if heavy.star || other.star {
+                0.0
+            } else {
+                other.softening
+            };
             energy += g * other.m * heavy.pull(other.x, softening).1;
         }
     }
@@ -319,12 +388,24 @@ fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
 fn silence(system: &mut System) {
     let (clock, synchronous) = (system.clock.tick, system.clock.synchronous());
     let bodies_active = system.bodies_active();
-    for (gravity, &end) in system.gas.rates.gravity.iter_mut().zip(&system.gas.particles.end) {
+    for (gravity, &end) in system
+        .gas
+        .rates
+        .gravity
+        .iter_mut()
+        .zip(&system.gas.particles.end)
+    {
         if synchronous || end == clock {
             *gravity = Vec3::zeros();
         }
     }
-    for (gravity, &end) in system.dust.rates.gravity.iter_mut().zip(&system.dust.particles.end) {
+    for (gravity, &end) in system
+        .dust
+        .rates
+        .gravity
+        .iter_mut()
+        .zip(&system.dust.particles.end)
+    {
         if synchronous || end == clock {
             *gravity = Vec3::zeros();
         }
@@ -345,23 +426,45 @@ impl Gravity {
     fn pull_fluids(&self, system: &mut System, heavies: &[Heavy]) {
         let (tick, synchronous, g) = (system.clock.tick, system.clock.synchronous(), system.g);
         let felt = |target: usize| -> Vec<Heavy> {
-            heavies.iter().copied().filter(|h| self.plan.pulls[h.rank()][target]).collect()
+            heavies
+                .iter()
+                .copied()
+                .filter(|h| self.plan.pulls[h.rank()][target])
+                .collect()
         };
         let (gas, dust) = (&mut system.gas, &mut system.dust);
         for (heavies, softening, x, h, end, gravity) in [
-            (felt(0), self.plan.gas, &gas.particles.x, &gas.particles.h, &gas.particles.end, &mut gas.rates.gravity),
-            (felt(1), self.plan.dust, &dust.particles.x, &dust.particles.h, &dust.particles.end, &mut dust.rates.gravity),
+            (
+                felt(0),
+                self.plan.gas,
+                &gas.particles.x,
+                &gas.particles.h,
+                &gas.particles.end,
+                &mut gas.rates.gravity,
+            ),
+            (
+                felt(1),
+                self.plan.dust,
+                &dust.particles.x,
+                &dust.particles.h,
+                &dust.particles.end,
+                &mut dust.rates.gravity,
+            ),
         ] {
             if heavies.is_empty() {
                 continue;
             }
-            gravity.par_iter_mut().enumerate().with_min_len(sum::CHUNK).for_each(|(i, gravity)| {
-                if synchronous || end[i] == tick {
-                    for heavy in &heavies {
-                        *gravity += g * heavy.pull(x[i], softening.of(h[i])).0;
+            gravity
+                .par_iter_mut()
+                .enumerate()
+                .with_min_len(sum::CHUNK)
+                .for_each(|(i, gravity)| {
+                    if synchronous || end[i] == tick {
+                        for heavy in &heavies {
+                            *gravity += g * heavy.pull(x[i], softening.of(h[i])).0;
+                        }
                     }
-                }
-            });
+                });
         }
     }
 
@@ -370,24 +473,47 @@ impl Gravity {
         let (g, pulls) = (system.g, &self.plan.pulls);
         let bodies = &mut system.bodies;
         let (x, kind, softening) = (&system.seen.x, &bodies.kind, &bodies.softening);
-        let rank = |i: usize| if kind[i] == Kind::Planet as u32 { PLANETS } else { PLANETESIMALS };
+        let rank = |i: usize| {
+            if kind[i] == Kind::Planet as u32 {
+                PLANETS
+            } else {
+                PLANETESIMALS
+            }
+        };
         for heavy in heavies {
-            if !(if heavy.star { self.plan.star_in_kick } else { self.plan.bodies_in_kick }) {
+            if !(if heavy.star {
+                self.plan.star_in_kick
+            } else {
+                self.plan.bodies_in_kick
+            }) {
                 continue;
             }
-            bodies.a.par_iter_mut().enumerate().with_min_len(sum::CHUNK).for_each(|(i, a)| {
-                if pulls[heavy.rank()][rank(i)] && (heavy.star || i != heavy.place) {
-                    *a += g * heavy.pull(x[i], softening[i]).0;
-                }
-            });
+            bodies
+                .a
+                .par_iter_mut()
+                .enumerate()
+                .with_min_len(sum::CHUNK)
+                .for_each(|(i, a)| {
+                    if pulls[heavy.rank()][rank(i)] && (heavy.star || i != heavy.place) {
+                        *a += g * heavy.pull(x[i], softening[i]).0;
+                    }
+                });
             // What the pulled ones give back; planets among themselves have it from the loop above.
             let back = sum::ordered(x.len(), Vec3::zeros(), |range| {
                 range
-                    .filter(|&i| pulls[rank(i)][heavy.rank()] && (heavy.star || rank(i) == PLANETESIMALS))
-                    .fold(Vec3::zeros(), |sum, i| sum - bodies.m[i] * heavy.pull(x[i], softening[i]).0)
+                    .filter(|&i| {
+                        pulls[rank(i)][heavy.rank()] && (heavy.star || rank(i) == PLANETESIMALS)
+                    })
+                    .fold(Vec3::zeros(), |sum, i| {
+                        sum - bodies.m[i] * heavy.pull(x[i], softening[i]).0
+                    })
             });
             if heavy.m > 0.0 {
-                let own = if heavy.star { &mut system.star.a } else { &mut bodies.a };
+                let own = if heavy.star {
+                    &mut system.star.a
+                } else {
+                    &mut bodies.a
+                };
                 own[heavy.place] += g * back / heavy.m;
             }
         }

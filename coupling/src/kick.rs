@@ -6,9 +6,10 @@
 use gas::Hydro;
 use nbody::points::{Clock, Fault, Vec3, sum};
 
-use crate::gravity::{Softening, heavies};
 use crate::System;
+use crate::gravity::{Softening, heavies};
 use crate::operator::{Meter, Operator, Phase};
+use crate::system::Stray;
 
 /// Finds density, pressure and what else a gas particle needs before forces.
 pub struct Density {
@@ -22,7 +23,12 @@ impl Operator for Density {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Density);
-        let centre = system.seen.star_x.first().copied().unwrap_or_else(Vec3::zeros);
+        let centre = system
+            .seen
+            .star_x
+            .first()
+            .copied()
+            .unwrap_or_else(Vec3::zeros);
         let targets = system.gas.density(&self.hydro, &system.clock, centre)?;
         meter.count(targets, 0);
         Ok(())
@@ -55,34 +61,56 @@ impl Reaction {
                 let impulse = sum::ordered(kicked.x.len(), Vec3::zeros(), |range| {
                     range.fold(Vec3::zeros(), |sum, i| match weight(i) {
                         0.0 => sum,
-                        w => sum - heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0 * (kicked.m[i] * w),
+                        w => {
+                            sum - heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0
+                                * (kicked.m[i] * w)
+                        }
                     })
                 });
                 let own = if heavy.star { &mut star } else { &mut bodies };
                 own[heavy.place] += system.g * impulse;
             }
         }
-        let given = sum::ordered(kicked.x.len(), Vec3::zeros(), |range| {
-            range.fold(Vec3::zeros(), |sum, i| match weight(i) {
+        let given = sum::ordered(kicked.x.len(), Stray::default(), |range| {
+            range.fold(Stray::default(), |sum, i| match weight(i) {
                 0.0 => sum,
-                w => sum + kicked.gravity[i] * (kicked.m[i] * w),
+                w => sum + Stray::at(kicked.x[i], kicked.gravity[i] * (kicked.m[i] * w)),
             })
         });
-        let stray = star.iter().chain(&bodies).fold(given, |sum, back| sum + back);
-        Given { star, bodies, stray }
+        let places = system.seen.star_x.iter().chain(&system.seen.x);
+        let stray = places
+            .zip(star.iter().chain(&bodies))
+            .fold(given, |sum, (&x, &back)| sum + Stray::at(x, back));
+        Given {
+            star,
+            bodies,
+            stray,
+        }
     }
 }
 
-/// What a kick gives to star and bodies, and what is left over: the net impulse of the tree's field.
+/// What a kick gives to star and bodies, and what is left over: the net effect of the tree's field.
 struct Given {
     star: Vec<Vec3>,
     bodies: Vec<Vec3>,
-    stray: Vec3,
+    stray: Stray,
 }
 
-fn receive(system: &mut System, Given { star, bodies, stray }: Given) {
-    system.stray += stray;
-    for (pending, impulse) in system.pending_star.iter_mut().zip(star).chain(system.pending_bodies.iter_mut().zip(bodies)) {
+fn receive(
+    system: &mut System,
+    Given {
+        star,
+        bodies,
+        stray,
+    }: Given,
+) {
+    system.stray = system.stray + stray;
+    for (pending, impulse) in system
+        .pending_star
+        .iter_mut()
+        .zip(star)
+        .chain(system.pending_bodies.iter_mut().zip(bodies))
+    {
         *pending += impulse;
     }
     if system.bodies_active() {
@@ -102,8 +130,19 @@ pub struct KickGas {
 impl KickGas {
     fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
         let gas = &system.gas.particles;
-        let kicked = Kicked { x: &gas.x, m: &gas.m, h: &gas.h, gravity: &system.gas.rates.gravity };
-        let given = self.reaction.act(system, &kicked, |i| if system.active(gas.end[i]) { weight(system, i) } else { 0.0 });
+        let kicked = Kicked {
+            x: &gas.x,
+            m: &gas.m,
+            h: &gas.h,
+            gravity: &system.gas.rates.gravity,
+        };
+        let given = self.reaction.act(system, &kicked, |i| {
+            if system.active(gas.end[i]) {
+                weight(system, i)
+            } else {
+                0.0
+            }
+        });
         receive(system, given);
     }
 }
@@ -119,7 +158,9 @@ impl Operator for KickGas {
             // The first step's choice of a step needs accelerations; the weights of closing are still zero.
             system.gas.forces(&self.hydro, &system.clock, &system.clock);
         }
-        system.gas.steps(&self.hydro, &system.clock, &system.next, self.longest)?;
+        system
+            .gas
+            .steps(&self.hydro, &system.clock, &system.next, self.longest)?;
         let targets = system.gas.forces(&self.hydro, &system.clock, &system.next);
         meter.count(targets, 0);
         Ok(())
@@ -127,7 +168,9 @@ impl Operator for KickGas {
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        self.react(system, |s, i| s.closing(s.gas.particles.begin[i], s.gas.particles.span[i]));
+        self.react(system, |s, i| {
+            s.closing(s.gas.particles.begin[i], s.gas.particles.span[i])
+        });
         let heat = system.gas.close(&self.hydro, &system.clock);
         system.ledger.take(heat);
         Ok(true)
@@ -151,8 +194,19 @@ pub struct KickDust {
 impl KickDust {
     fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
         let dust = &system.dust.particles;
-        let kicked = Kicked { x: &dust.x, m: &dust.m, h: &dust.h, gravity: &system.dust.rates.gravity };
-        let given = self.reaction.act(system, &kicked, |i| if system.active(dust.end[i]) { weight(system, i) } else { 0.0 });
+        let kicked = Kicked {
+            x: &dust.x,
+            m: &dust.m,
+            h: &dust.h,
+            gravity: &system.dust.rates.gravity,
+        };
+        let given = self.reaction.act(system, &kicked, |i| {
+            if system.active(dust.end[i]) {
+                weight(system, i)
+            } else {
+                0.0
+            }
+        });
         receive(system, given);
     }
 }
@@ -164,14 +218,23 @@ impl Operator for KickDust {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Dust);
-        let centre = system.seen.star_x.first().copied().unwrap_or_else(Vec3::zeros);
-        system.dust.steps(&self.pacing, centre, &system.clock, &system.next)?;
+        let centre = system
+            .seen
+            .star_x
+            .first()
+            .copied()
+            .unwrap_or_else(Vec3::zeros);
+        system
+            .dust
+            .steps(&self.pacing, centre, &system.clock, &system.next)?;
         Ok(())
     }
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Dust);
-        self.react(system, |s, i| s.closing(s.dust.particles.begin[i], s.dust.particles.span[i]));
+        self.react(system, |s, i| {
+            s.closing(s.dust.particles.begin[i], s.dust.particles.span[i])
+        });
         system.dust.close(&system.clock);
         Ok(true)
     }
@@ -195,7 +258,9 @@ pub struct KickBodies {
 impl KickBodies {
     fn kick(system: &mut System, weight: f64) {
         for bodies in [&system.star, &system.bodies] {
-            system.stray += bodies.a.iter().zip(&bodies.m).fold(Vec3::zeros(), |sum, (a, m)| sum + a * (m * weight));
+            let given = (0..bodies.x.len())
+                .map(|i| Stray::at(bodies.x[i], bodies.a[i] * (bodies.m[i] * weight)));
+            system.stray = given.fold(system.stray, |sum, stray| sum + stray);
         }
         for bodies in [&mut system.star, &mut system.bodies] {
             for (v, a) in bodies.v.iter_mut().zip(&bodies.a) {

@@ -3,7 +3,7 @@
 use std::ops::{Add, AddAssign, Sub};
 
 use nbody::Bodies;
-use nbody::points::{Vec3, sum};
+use nbody::points::{Domain, Vec3, sum};
 
 use crate::System;
 
@@ -38,7 +38,9 @@ impl Totals {
 
     fn over(m: &[f64], x: &[Vec3], v: &[Vec3], u: &[f64]) -> Self {
         sum::ordered(m.len(), Self::default(), |range| {
-            range.fold(Self::default(), |total, i| total + Self::of_one(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0)))
+            range.fold(Self::default(), |total, i| {
+                total + Self::of_one(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0))
+            })
         })
     }
 
@@ -104,7 +106,10 @@ impl Census {
             Totals::bodies(&system.bodies),
             Totals::bodies(&system.star),
         ];
-        for (k, bodies, pending) in [(2, &system.bodies, &system.pending_bodies), (3, &system.star, &system.pending_star)] {
+        for (k, bodies, pending) in [
+            (2, &system.bodies, &system.pending_bodies),
+            (3, &system.star, &system.pending_star),
+        ] {
             for (x, impulse) in bodies.x.iter().zip(pending) {
                 totals[k].momentum += impulse;
                 totals[k].angular_momentum += x.cross(impulse);
@@ -192,28 +197,39 @@ impl Ledger {
 
     /// Books what has changed since the last entry as the work of `operator`.
     pub fn book(&mut self, operator: &str, system: Census) {
-        let place = self.entries.iter().position(|e| e.operator == operator).unwrap_or_else(|| {
-            self.entries.push(Entry { operator: operator.to_owned(), change: Census::default() });
-            self.entries.len() - 1
-        });
+        let place = self
+            .entries
+            .iter()
+            .position(|e| e.operator == operator)
+            .unwrap_or_else(|| {
+                self.entries.push(Entry {
+                    operator: operator.to_owned(),
+                    change: Census::default(),
+                });
+                self.entries.len() - 1
+            });
         for k in 0..4 {
             self.entries[place].change.0[k] += system.0[k] - self.last.0[k];
         }
         self.last = system;
     }
 
-    /// The books as one line. All conserved sums are compared with the start.
-    pub fn report(&self, time: f64, system: Census, potential: f64) -> Report {
+    /// The books as one line. All conserved sums are compared with the start; one that the domain does not conserve has an error that is no number.
+    pub fn report(&self, time: f64, system: Census, potential: f64, domain: &Domain) -> Report {
+        let turns = (0..3).all(|axis| domain.period(axis) == 0.0);
         let (now, start) = (system.sum(), self.initial.sum());
         let lost = self.given_away;
-        let energy = now.kinetic + now.internal + potential + self.radiated + self.dissipated + lost.kinetic;
+        let energy =
+            now.kinetic + now.internal + potential + self.radiated + self.dissipated + lost.kinetic;
         let energy_start = start.kinetic + start.internal + self.initial_potential;
         let energy_scale = match energy_start.abs() {
             0.0 => start.kinetic + start.internal + self.initial_potential.abs(),
             e => e,
         };
         let momentum_error = (now.momentum + lost.momentum - start.momentum).norm();
-        let angular_error = (now.angular_momentum + self.spin + lost.angular_momentum - start.angular_momentum).norm();
+        let angular_error = (now.angular_momentum + self.spin + lost.angular_momentum
+            - start.angular_momentum)
+            .norm();
         Report {
             time,
             mass: system.0.map(|t| t.mass),
@@ -226,7 +242,11 @@ impl Ledger {
             accreted: self.accreted,
             error_mass: relative(now.mass - start.mass, start.mass),
             error_momentum: relative(momentum_error, start.momentum_scale.max(now.momentum_scale)),
-            error_angular_momentum: relative(angular_error, start.angular_scale.max(now.angular_scale)),
+            error_angular_momentum: if turns {
+                relative(angular_error, start.angular_scale.max(now.angular_scale))
+            } else {
+                f64::NAN
+            },
             error_energy: relative(energy - energy_start, energy_scale),
         }
     }

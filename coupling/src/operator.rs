@@ -18,8 +18,16 @@ pub enum Phase {
 }
 
 impl Phase {
-    pub const ALL: [Self; 8] =
-        [Self::Tree, Self::Gravity, Self::Density, Self::Hydro, Self::Drag, Self::Dust, Self::Bodies, Self::Output];
+    pub const ALL: [Self; 8] = [
+        Self::Tree,
+        Self::Gravity,
+        Self::Density,
+        Self::Hydro,
+        Self::Drag,
+        Self::Dust,
+        Self::Bodies,
+        Self::Output,
+    ];
 
     pub const fn name(self) -> &'static str {
         match self {

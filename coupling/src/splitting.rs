@@ -18,7 +18,10 @@ pub struct Splitting {
 
 impl Splitting {
     pub fn new(operators: Vec<Box<dyn Operator>>) -> Self {
-        Self { operators, bookkeeping: true }
+        Self {
+            operators,
+            bookkeeping: true,
+        }
     }
 
     /// Names of the operators, in order.
@@ -28,8 +31,18 @@ impl Splitting {
 
     /// Ends the steps that end at this tick. Where everybody is active, the next base step runs to at most `until` and is at
     /// most `longest` long.
-    pub fn close(&mut self, system: &mut System, until: f64, longest: f64, meter: &mut dyn Meter) -> Result<(), Fault> {
-        system.next = if system.clock.synchronous() { system.clock.next_base(until, longest) } else { system.clock };
+    pub fn close(
+        &mut self,
+        system: &mut System,
+        until: f64,
+        longest: f64,
+        meter: &mut dyn Meter,
+    ) -> Result<(), Fault> {
+        system.next = if system.clock.synchronous() {
+            system.clock.next_base(until, longest)
+        } else {
+            system.clock
+        };
         meter.enter(Phase::Tree);
         let (domain, clock) = (system.domain, system.clock);
         system.gas.refit(&domain, &clock);
@@ -57,7 +70,12 @@ impl Splitting {
         }
         if system.bodies_active() {
             let (begin, span) = (system.next.tick, system.pace.next_span);
-            system.pace = Pace { begin, span, end: begin + span, next_span: span };
+            system.pace = Pace {
+                begin,
+                span,
+                end: begin + span,
+                next_span: span,
+            };
         }
         system.clock = system.next;
         Ok(())

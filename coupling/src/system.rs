@@ -1,9 +1,13 @@
 //! The system: all populations of a scene in their domain, on one clock.
 
+use std::ops::Add;
+
 use dust::Dust;
 use gas::Gas;
+use nalgebra::Matrix3;
 use nbody::Bodies;
-use nbody::points::{Clock, Domain, Vec3};
+use nbody::points::{Clock, Domain, Vec3, sum};
+use rayon::prelude::*;
 
 use crate::Ledger;
 
@@ -25,6 +29,83 @@ pub struct Seen {
     pub v: Vec<Vec3>,
 }
 
+/// Net impulse and torque (about the origin) of a field that should have none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stray {
+    pub impulse: Vec3,
+    pub torque: Vec3,
+}
+
+impl Stray {
+    /// An impulse `p` at `x`.
+    pub fn at(x: Vec3, p: Vec3) -> Self {
+        Self {
+            impulse: p,
+            torque: x.cross(&p),
+        }
+    }
+}
+
+impl Add for Stray {
+    type Output = Self;
+
+    fn add(self, o: Self) -> Self {
+        Self {
+            impulse: self.impulse + o.impulse,
+            torque: self.torque + o.torque,
+        }
+    }
+}
+
+/// Moments of mass of gas, dust and bodies together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Figure {
+    mass: f64,
+    first: Vec3,
+    second: Matrix3<f64>,
+}
+
+impl Figure {
+    fn of(system: &System) -> Self {
+        let sets = [
+            (&system.gas.particles.m, &system.gas.particles.x),
+            (&system.dust.particles.m, &system.dust.particles.x),
+            (&system.bodies.m, &system.bodies.x),
+        ];
+        sets.into_iter().fold(Self::default(), |figure, (m, x)| {
+            figure
+                + sum::ordered(m.len(), Self::default(), |range| {
+                    range.fold(Self::default(), |figure, i| {
+                        figure
+                            + Self {
+                                mass: m[i],
+                                first: m[i] * x[i],
+                                second: m[i] * x[i] * x[i].transpose(),
+                            }
+                    })
+                })
+        })
+    }
+
+    /// The tensor of inertia about `centre`, the centre of mass.
+    fn inertia(&self, centre: Vec3) -> Matrix3<f64> {
+        let spread = self.second - self.mass * centre * centre.transpose();
+        Matrix3::identity() * spread.trace() - spread
+    }
+}
+
+impl Add for Figure {
+    type Output = Self;
+
+    fn add(self, o: Self) -> Self {
+        Self {
+            mass: self.mass + o.mass,
+            first: self.first + o.first,
+            second: self.second + o.second,
+        }
+    }
+}
+
 /// Everything that a scene models. A population that it leaves out is empty.
 #[derive(Clone, Debug)]
 pub struct System {
@@ -40,9 +121,9 @@ pub struct System {
     pub seen: Seen,
     /// Whether the star's pull on bodies is in their kick, and so in their `a`.
     pub star_in_kick: bool,
-    /// Net impulse that the tree's field has given to gas, dust and bodies since everybody was last active. Without truncation it would be
+    /// What the tree's field has given to gas, dust and bodies in sum since everybody was last active. Without truncation it would be
     /// zero whenever everybody is.
-    pub stray: Vec3,
+    pub stray: Stray,
     /// Impulses (momenta) that star and bodies receive at their next tick.
     pub pending_star: Vec<Vec3>,
     pub pending_bodies: Vec<Vec3>,
@@ -72,7 +153,7 @@ impl System {
             pace: Pace::default(),
             seen: Seen::default(),
             star_in_kick: false,
-            stray: Vec3::zeros(),
+            stray: Stray::default(),
             pending_star: Vec::new(),
             pending_bodies: Vec::new(),
             gas: Gas::default(),
@@ -112,12 +193,16 @@ impl System {
         self.seen.x.clone_from(&self.bodies.x);
         self.seen.v.clone_from(&self.bodies.v);
         self.pending_star.resize(self.star.x.len(), Vec3::zeros());
-        self.pending_bodies.resize(self.bodies.x.len(), Vec3::zeros());
+        self.pending_bodies
+            .resize(self.bodies.x.len(), Vec3::zeros());
     }
 
     /// Gives star and bodies their summed impulses.
     pub fn settle_impulses(&mut self) {
-        for (bodies, pending) in [(&mut self.star, &mut self.pending_star), (&mut self.bodies, &mut self.pending_bodies)] {
+        for (bodies, pending) in [
+            (&mut self.star, &mut self.pending_star),
+            (&mut self.bodies, &mut self.pending_bodies),
+        ] {
             for ((v, &m), impulse) in bodies.v.iter_mut().zip(&bodies.m).zip(pending.iter_mut()) {
                 if *impulse != Vec3::zeros() {
                     *v += *impulse / m;
@@ -127,26 +212,57 @@ impl System {
         }
     }
 
-    /// Takes the stray impulse of the tree's field out of gas, dust and bodies, by one velocity for all. To be called when everybody's step is
-    /// closed.
+    /// Takes the stray impulse and torque of the tree's field out of gas, dust and bodies, by one velocity and one rotation about their centre
+    /// of mass for all. To be called when everybody's step is closed.
     pub fn recall_stray(&mut self) {
-        let mass: f64 = [&self.gas.particles.m, &self.dust.particles.m, &self.bodies.m].into_iter().flatten().sum();
-        let stray = std::mem::replace(&mut self.stray, Vec3::zeros());
-        if mass == 0.0 || stray == Vec3::zeros() {
+        let stray = std::mem::take(&mut self.stray);
+        let figure = Figure::of(self);
+        if figure.mass == 0.0 || stray == Stray::default() {
             return;
         }
-        let shift = stray / mass;
-        for v in [&mut self.gas.particles.v, &mut self.gas.rates.v_pred, &mut self.dust.particles.v, &mut self.dust.rates.v_pred] {
-            v.iter_mut().for_each(|v| *v -= shift);
+        let shift = stray.impulse / figure.mass;
+        let centre = figure.first / figure.mass;
+        let torque = stray.torque - centre.cross(&stray.impulse);
+        let inertia = figure.inertia(centre);
+        // Particles on a line, or a single one, have no rotation that takes up every torque.
+        let turnable = inertia.determinant() > 1e-9 * inertia.trace().powi(3);
+        let omega = inertia
+            .try_inverse()
+            .filter(|_| turnable)
+            .map_or_else(Vec3::zeros, |inverse| inverse * torque);
+        let change = |x: Vec3| shift + omega.cross(&(x - centre));
+        let (gas, dust, bodies) = (&mut self.gas, &mut self.dust, &mut self.bodies);
+        for (x, v) in [
+            (&gas.particles.x, &mut gas.particles.v),
+            (&gas.particles.x, &mut gas.rates.v_pred),
+            (&dust.particles.x, &mut dust.particles.v),
+            (&dust.particles.x, &mut dust.rates.v_pred),
+            (&bodies.x, &mut bodies.v),
+        ] {
+            v.par_iter_mut()
+                .zip(x)
+                .with_min_len(sum::CHUNK)
+                .for_each(|(v, &x)| *v -= change(x));
         }
-        self.bodies.v.iter_mut().for_each(|v| *v -= shift);
         self.look();
     }
 
     /// The next tick at which anybody is active.
     pub fn next_tick(&self) -> u32 {
-        let ends = |column: &[u32]| column.iter().copied().min().unwrap_or(nbody::points::clock::TICKS);
-        let bodies = if self.star.x.is_empty() && self.bodies.x.is_empty() { nbody::points::clock::TICKS } else { self.pace.end };
-        ends(&self.gas.particles.end).min(ends(&self.dust.particles.end)).min(bodies)
+        let ends = |column: &[u32]| {
+            column
+                .iter()
+                .copied()
+                .min()
+                .unwrap_or(nbody::points::clock::TICKS)
+        };
+        let bodies = if self.star.x.is_empty() && self.bodies.x.is_empty() {
+            nbody::points::clock::TICKS
+        } else {
+            self.pace.end
+        };
+        ends(&self.gas.particles.end)
+            .min(ends(&self.dust.particles.end))
+            .min(bodies)
     }
 }

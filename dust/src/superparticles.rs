@@ -117,7 +117,11 @@ impl Dust {
 
     /// Dust as it was saved; the next end of a base step sorts it.
     pub fn restored(particles: Superparticles, rates: Rates) -> Self {
-        let mut dust = Self { particles, rates, ..Self::default() };
+        let mut dust = Self {
+            particles,
+            rates,
+            ..Self::default()
+        };
         dust.derived.resize(dust.particles.len());
         dust
     }

@@ -127,7 +127,11 @@ impl Gas {
 
     /// Gas as it was saved; the next end of a base step sorts it.
     pub fn restored(particles: Particles, rates: Rates) -> Self {
-        let mut gas = Self { particles, rates, ..Self::default() };
+        let mut gas = Self {
+            particles,
+            rates,
+            ..Self::default()
+        };
         gas.derived.resize(gas.particles.len());
         gas
     }

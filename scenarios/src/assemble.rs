@@ -44,12 +44,20 @@ pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
         TimeStep::Auto => f64::INFINITY,
     };
     let splitting = Splitting::new(operators(scene, &system, integrator, step, longest));
-    Assembly { system, splitting, longest, remarks }
+    Assembly {
+        system,
+        splitting,
+        longest,
+        remarks,
+    }
 }
 
 /// The integrator that the scene names, or the one that suits it.
 fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Integrator {
-    let wanted = scene.planetesimals.as_ref().map_or(Integrator::Auto, |p| p.integrator);
+    let wanted = scene
+        .planetesimals
+        .as_ref()
+        .map_or(Integrator::Auto, |p| p.integrator);
     if wanted != Integrator::Auto {
         return wanted;
     }
@@ -57,7 +65,10 @@ fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Inte
     let (choice, reason) = if !system.star.is_empty() {
         (Integrator::WisdomHolman, "a star dominates")
     } else if few {
-        (Integrator::GaussRadau, "there is no star and there are few bodies")
+        (
+            Integrator::GaussRadau,
+            "there is no star and there are few bodies",
+        )
     } else {
         (Integrator::Leapfrog, "there is no star")
     };
@@ -95,7 +106,8 @@ fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
             (pericentre.powi(3) / mu).sqrt()
         })
         .fold(f64::INFINITY, f64::min);
-    scene.accuracy.orbit_step * shortest.max(1e-6 * scene.run.end_time / f64::from(nbody::points::clock::TICKS))
+    scene.accuracy.orbit_step
+        * shortest.max(1e-6 * scene.run.end_time / f64::from(nbody::points::clock::TICKS))
 }
 
 fn softening(of: scene::Softening) -> Softening {
@@ -106,7 +118,13 @@ fn softening(of: scene::Softening) -> Softening {
 }
 
 /// The operators that the scene requires, in the order of the first half of a step.
-fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, longest: f64) -> Vec<Box<dyn Operator>> {
+fn operators(
+    scene: &Scene,
+    system: &System,
+    integrator: Integrator,
+    step: f64,
+    longest: f64,
+) -> Vec<Box<dyn Operator>> {
     let (gas, dust) = (!system.gas.is_empty(), !system.dust.is_empty());
     let bodies = !system.bodies.is_empty() || !system.star.is_empty();
     let moving = bodies && (gas || dust || !system.bodies.is_empty());
@@ -119,25 +137,57 @@ fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, 
     if (plan.tree.is_some() || bodies) && !(integrator == Integrator::GaussRadau && !gas && !dust) {
         list.push(Box::new(Gravity::new(plan.clone())));
     }
-    if let (true, true, Some(d), Some(hydro)) = (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro) {
-        list.push(Box::new(DustDrag::new(populate::dust_law(scene, d), &hydro, scene.coupling.feedback)));
+    if let (true, true, Some(d), Some(hydro)) =
+        (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro)
+    {
+        list.push(Box::new(DustDrag::new(
+            populate::dust_law(scene, d),
+            &hydro,
+            scene.coupling.feedback,
+        )));
     }
-    if let (true, true, Some(p), Some(hydro)) = (gas, scene.coupling.gas_planetesimals, &scene.planetesimals, hydro) {
-        list.push(Box::new(BodyDrag::new(populate::body_law(scene, p), &hydro, scene.coupling.feedback)));
+    if let (true, true, Some(p), Some(hydro)) = (
+        gas,
+        scene.coupling.gas_planetesimals,
+        &scene.planetesimals,
+        hydro,
+    ) {
+        list.push(Box::new(BodyDrag::new(
+            populate::body_law(scene, p),
+            &hydro,
+            scene.coupling.feedback,
+        )));
     }
     if moving && integrator != Integrator::GaussRadau || moving && (gas || dust) {
-        list.push(Box::new(KickBodies { step, mutual: mutual(scene) }));
+        list.push(Box::new(KickBodies {
+            step,
+            mutual: mutual(scene),
+        }));
     }
     let reaction = |fluid: Mass, softening: Softening| Reaction {
-        on: [scene.gravity.pulls.has(fluid, Mass::Star), scene.gravity.pulls.has(fluid, Mass::Planets)],
+        on: [
+            scene.gravity.pulls.has(fluid, Mass::Star),
+            scene.gravity.pulls.has(fluid, Mass::Planets),
+        ],
         softening,
     };
     if dust {
-        let pacing = Pacing { force: scene.accuracy.acceleration_step, orbit: 0.5 * scene.accuracy.orbit_step, longest };
-        list.push(Box::new(KickDust { pacing, reaction: reaction(Mass::Dust, plan.dust) }));
+        let pacing = Pacing {
+            force: scene.accuracy.acceleration_step,
+            orbit: 0.5 * scene.accuracy.orbit_step,
+            longest,
+        };
+        list.push(Box::new(KickDust {
+            pacing,
+            reaction: reaction(Mass::Dust, plan.dust),
+        }));
     }
     if let Some(hydro) = hydro.filter(|_| gas) {
-        list.push(Box::new(KickGas { hydro, reaction: reaction(Mass::Gas, plan.gas), longest }));
+        list.push(Box::new(KickGas {
+            hydro,
+            reaction: reaction(Mass::Gas, plan.gas),
+            longest,
+        }));
         list.push(Box::new(DriftGas));
     }
     if dust {
@@ -153,7 +203,12 @@ fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, 
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
         list.push(Box::new(Accretion));
     }
-    if scene.planetesimals.as_ref().is_some_and(|p| p.collisions == Collisions::Merge) && system.bodies.len() > 1 {
+    if scene
+        .planetesimals
+        .as_ref()
+        .is_some_and(|p| p.collisions == Collisions::Merge)
+        && system.bodies.len() > 1
+    {
         list.push(Box::new(Mergers::default()));
     }
     list
@@ -162,8 +217,17 @@ fn operators(scene: &Scene, system: &System, integrator: Integrator, step: f64, 
 /// Whether gas, dust, planetesimals and planets pull each other both ways or not at all, each with all of the forces in kicks.
 fn mutual(scene: &Scene) -> bool {
     let pulls = &scene.gravity.pulls.0;
-    let fluids = [Mass::Gas, Mass::Dust, Mass::Planetesimals, Mass::Planets, Mass::Star].map(|m| m as usize);
-    fluids.iter().all(|&a| fluids.iter().all(|&b| pulls[a][b] == pulls[b][a]))
+    let fluids = [
+        Mass::Gas,
+        Mass::Dust,
+        Mass::Planetesimals,
+        Mass::Planets,
+        Mass::Star,
+    ]
+    .map(|m| m as usize);
+    fluids
+        .iter()
+        .all(|&a| fluids.iter().all(|&b| pulls[a][b] == pulls[b][a]))
 }
 
 /// Who pulls whom, how softly and how exactly.
@@ -177,19 +241,19 @@ fn plan(scene: &Scene, integrator: Integrator) -> Plan {
         scene::GravityMethod::Tree => Some(solver::Method::Automatic),
         scene::GravityMethod::None => None,
     };
-    let length = |softening: Option<scene::Softening>| softening.map_or(Softening::Length(0.0), self::softening);
+    let length = |softening: Option<scene::Softening>| {
+        softening.map_or(Softening::Length(0.0), self::softening)
+    };
     Plan {
-        tree: method.map(|method| solver::Settings { accuracy, method, constant: scene.gravity.constant }),
+        tree: method.map(|method| solver::Settings {
+            accuracy,
+            method,
+            constant: scene.gravity.constant,
+        }),
         pulls: scene.gravity.pulls.0,
         gas: length(scene.gas.as_ref().map(|g| g.softening)),
         dust: length(scene.dust.as_ref().map(|d| d.softening)),
         star_in_kick: integrator == Integrator::Leapfrog,
         bodies_in_kick: integrator != Integrator::GaussRadau,
     }
-}
-
-/// What `check` says of a scene.
-pub fn outline(scene: &Scene) -> Result<String, crate::run::RunError> {
-    let _ = scene;
-    Ok(String::new())
 }

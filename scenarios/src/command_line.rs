@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
-use crate::{assemble, info, new, plot, signals};
+use crate::{info, new, outline, plot, signals};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -167,7 +167,7 @@ fn look(command: Command) -> Result<(), Failure> {
     match command {
         Command::Check { scene, set } => {
             let scene = load(&scene, &set)?;
-            print!("{}", assemble::outline(&scene)?);
+            print!("{}", outline::outline(&scene)?);
             Ok(())
         }
         Command::New { template, file } => {

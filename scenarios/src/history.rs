@@ -177,14 +177,41 @@ impl LedgerRow {
 
 /// Columns of `events.csv`: `kind` is "merger", "accreted-gas", ...; `speed_ratio` is the impact speed by the pair's escape speed, `angle` that
 /// between the velocity and the line of centres, radians.
-pub const EVENT_HEAD: [&str; 11] =
-    ["time", "kind", "kept", "lost", "mass_kept", "mass_lost", "x", "y", "z", "speed_ratio", "angle"];
+pub const EVENT_HEAD: [&str; 11] = [
+    "time",
+    "kind",
+    "kept",
+    "lost",
+    "mass_kept",
+    "mass_lost",
+    "x",
+    "y",
+    "z",
+    "speed_ratio",
+    "angle",
+];
 
 /// Adds an event's line to its table.
 pub fn push_event(event: &Event, table: &mut Table) -> io::Result<()> {
     let x = event.position;
-    let mut cells = vec![cell(event.time), event.kind.to_owned(), event.kept.to_string(), event.lost.to_string()];
-    cells.extend([event.mass_kept, event.mass_lost, x.x, x.y, x.z, event.speed_ratio, event.angle].map(cell));
+    let mut cells = vec![
+        cell(event.time),
+        event.kind.to_owned(),
+        event.kept.to_string(),
+        event.lost.to_string(),
+    ];
+    cells.extend(
+        [
+            event.mass_kept,
+            event.mass_lost,
+            x.x,
+            x.y,
+            x.z,
+            event.speed_ratio,
+            event.angle,
+        ]
+        .map(cell),
+    );
     table.push(&cells)
 }
 

@@ -10,6 +10,7 @@ pub mod history;
 pub mod info;
 pub mod initial;
 pub mod new;
+pub mod outline;
 pub mod plot;
 pub mod populate;
 pub mod progress;

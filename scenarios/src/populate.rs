@@ -35,10 +35,21 @@ const GAMMA_BOUND: f64 = 5.0 / 3.0;
 pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
     let eos = match gas.eos {
         scene::Eos::Ideal { gamma, .. } => Eos::Ideal { gamma },
-        scene::Eos::Isothermal { sound_speed, .. } => Eos::Isothermal { sound_speed, gamma: GAMMA_BOUND },
-        scene::Eos::LocallyIsothermal { sound_speed, exponent, reference_radius, .. } => {
-            Eos::LocallyIsothermal { sound_speed, radius: reference_radius, exponent, gamma: GAMMA_BOUND }
-        }
+        scene::Eos::Isothermal { sound_speed, .. } => Eos::Isothermal {
+            sound_speed,
+            gamma: GAMMA_BOUND,
+        },
+        scene::Eos::LocallyIsothermal {
+            sound_speed,
+            exponent,
+            reference_radius,
+            ..
+        } => Eos::LocallyIsothermal {
+            sound_speed,
+            radius: reference_radius,
+            exponent,
+            gamma: GAMMA_BOUND,
+        },
     };
     let viscosity = match gas.viscosity {
         scene::Viscosity::None => Viscosity::None,
@@ -62,9 +73,18 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
 
 fn molecular_weight(gas: &scene::Gas) -> f64 {
     match gas.eos {
-        scene::Eos::Ideal { mean_molecular_weight, .. }
-        | scene::Eos::Isothermal { mean_molecular_weight, .. }
-        | scene::Eos::LocallyIsothermal { mean_molecular_weight, .. } => mean_molecular_weight,
+        scene::Eos::Ideal {
+            mean_molecular_weight,
+            ..
+        }
+        | scene::Eos::Isothermal {
+            mean_molecular_weight,
+            ..
+        }
+        | scene::Eos::LocallyIsothermal {
+            mean_molecular_weight,
+            ..
+        } => mean_molecular_weight,
     }
 }
 
@@ -76,7 +96,10 @@ pub fn molecules(scene: &Scene) -> Molecules {
     const CROSS_SECTION: f64 = 2.0e-15;
     let mu = scene.gas.as_ref().map_or(2.34, molecular_weight);
     let length = scene.units.length;
-    Molecules { mass: mu * HYDROGEN / scene.units.mass, cross_section: CROSS_SECTION / (length * length) }
+    Molecules {
+        mass: mu * HYDROGEN / scene.units.mass,
+        cross_section: CROSS_SECTION / (length * length),
+    }
 }
 
 /// The law that grains are stopped by.
@@ -136,7 +159,12 @@ pub fn fill(scene: &Scene, system: &mut System) -> Result<(), Refusal> {
 
 fn stars(scene: &Scene, system: &mut System, file: &mut Bodies) {
     if let Some(star) = &scene.star {
-        let body = Body { kind: Kind::Star, mass: star.mass, radius: star.accretion_radius, softening: 0.0 };
+        let body = Body {
+            kind: Kind::Star,
+            mass: star.mass,
+            radius: star.accretion_radius,
+            softening: 0.0,
+        };
         if file.is_empty() {
             belt::place(file, 0, body, (Vec3::zeros(), Vec3::zeros()));
         }
@@ -150,15 +178,32 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
     let mut bodies = Bodies::default();
     let g = scene.gravity.constant;
     let centre = match system.star.x.first() {
-        Some(&x) => Centre { x, v: system.star.v[0], mass: system.star.m[0], g },
-        None => Centre { x: Vec3::zeros(), v: Vec3::zeros(), mass: 0.0, g },
+        Some(&x) => Centre {
+            x,
+            v: system.star.v[0],
+            mass: system.star.m[0],
+            g,
+        },
+        None => Centre {
+            x: Vec3::zeros(),
+            v: Vec3::zeros(),
+            mass: 0.0,
+            g,
+        },
     };
     let softening = scene.planetesimals.as_ref().map_or(0.0, |p| p.softening);
     for planet in &scene.planets {
-        let body = Body { kind: Kind::Planet, mass: planet.mass, radius: planet.radius, softening };
+        let body = Body {
+            kind: Kind::Planet,
+            mass: planet.mass,
+            radius: planet.radius,
+            softening,
+        };
         let id = ids.take(1);
         match planet.orbit {
-            scene::Orbit::State { position, velocity } => belt::place(&mut bodies, id, body, (position, velocity)),
+            scene::Orbit::State { position, velocity } => {
+                belt::place(&mut bodies, id, body, (position, velocity))
+            }
             scene::Orbit::Elements {
                 semi_major_axis,
                 eccentricity,
@@ -167,7 +212,14 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
                 argument_of_pericentre: pericentre,
                 mean_anomaly,
             } => {
-                let elements = Elements { semi_major_axis, eccentricity, inclination, node, pericentre, mean_anomaly };
+                let elements = Elements {
+                    semi_major_axis,
+                    eccentricity,
+                    inclination,
+                    node,
+                    pericentre,
+                    mean_anomaly,
+                };
                 belt::orbit(&mut bodies, id, body, &elements, &centre);
             }
         }
@@ -184,7 +236,10 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
             eccentricity: p.eccentricity,
             inclination: p.inclination,
         };
-        append(&mut bodies, &belt.bodies(&centre, scene.run.seed, ids.take(p.number)));
+        append(
+            &mut bodies,
+            &belt.bodies(&centre, scene.run.seed, ids.take(p.number)),
+        );
     }
     file.softening.fill(softening);
     let first = ids.take(file.len());
@@ -226,16 +281,31 @@ fn disk_of(scene: &Scene, gas: &scene::Gas, disk: &scene::Disk) -> Disk {
 
 fn resolution(scene: &Scene, gas: &scene::Gas) -> Resolution {
     let hydro = hydro(scene, gas);
-    Resolution { neighbours: hydro.neighbours, support: hydro.support() }
+    Resolution {
+        neighbours: hydro.neighbours,
+        support: hydro.support(),
+    }
 }
 
 /// Points of a block and the mass of each.
-fn block(scene: &Scene, block: &scene::Block, ids: &mut Ids, purpose: Purpose) -> (Vec<Vec3>, f64, u64) {
-    let space = lattice::Block { lo: block.lo, hi: block.hi, axes: scene.domain.axes };
+fn block(
+    scene: &Scene,
+    block: &scene::Block,
+    ids: &mut Ids,
+    purpose: Purpose,
+) -> (Vec<Vec3>, f64, u64) {
+    let space = lattice::Block {
+        lo: block.lo,
+        hi: block.hi,
+        axes: scene.domain.axes,
+    };
     let dimensions = scene.domain.dimensions() as f64;
     let x = match block.lattice {
         scene::Lattice::Cubic => space.lattice(Arrangement::Cubic, block.spacing),
-        scene::Lattice::Bcc => space.lattice(Arrangement::BodyCentred, block.spacing * 2f64.powf(1.0 / dimensions)),
+        scene::Lattice::Bcc => space.lattice(
+            Arrangement::BodyCentred,
+            block.spacing * 2f64.powf(1.0 / dimensions),
+        ),
         scene::Lattice::Random => {
             let n = (space.volume() / block.spacing.powf(dimensions)).round() as usize;
             space.random(n, scene.run.seed, purpose, ids.0)
@@ -252,12 +322,16 @@ fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
     let hydro = hydro(scene, gas);
     if let Some(disk) = &gas.disk {
         let first = ids.take(gas.particles);
-        append(&mut all, &disk_of(scene, gas, disk).gas(resolution(scene, gas), scene.run.seed, first));
+        append(
+            &mut all,
+            &disk_of(scene, gas, disk).gas(resolution(scene, gas), scene.run.seed, first),
+        );
     }
     for b in &gas.blocks {
         let (x, mass, first) = block(scene, &b.block, ids, Purpose::GasPositions);
         let n = x.len();
-        let h = resolution(scene, gas).smoothing_length(mass / b.block.density, scene.domain.dimensions());
+        let h = resolution(scene, gas)
+            .smoothing_length(mass / b.block.density, scene.domain.dimensions());
         let mut made = initial::gas(x, vec![h; n], mass, first);
         made.v.fill(b.block.velocity);
         made.u.fill(match b.thermal {
@@ -278,7 +352,9 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
     let Some(dust) = &scene.dust else { return all };
     let sizes = match dust.sizes {
         Some(scene::Sizes::One(radius)) => grains::Sizes::One(radius),
-        Some(scene::Sizes::Range { min, max, slope }) => grains::Sizes::PowerLaw { min, max, slope },
+        Some(scene::Sizes::Range { min, max, slope }) => {
+            grains::Sizes::PowerLaw { min, max, slope }
+        }
         None => grains::Sizes::One(0.0),
     };
     let grains = |particles: usize, mass: f64| Grains {
@@ -295,10 +371,20 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
                 scene::DustAmount::DustToGas(ratio) => ratio * gas.m.iter().sum::<f64>(),
                 scene::DustAmount::Mass(mass) => mass,
             };
-            let dust_disk = Disk { inner_radius: dust.inner_radius, outer_radius: dust.outer_radius, ..disk };
+            let dust_disk = Disk {
+                inner_radius: dust.inner_radius,
+                outer_radius: dust.outer_radius,
+                ..disk
+            };
             let first = ids.take(dust.particles);
             let velocity = |x: Vec3, _| disk.rotation(x, 0.0);
-            let made = grains(dust.particles, mass).disk(&dust_disk, resolution(scene, scene_gas), scene.run.seed, first, velocity);
+            let made = grains(dust.particles, mass).disk(
+                &dust_disk,
+                resolution(scene, scene_gas),
+                scene.run.seed,
+                first,
+                velocity,
+            );
             append(&mut all, &made);
         }
     }
@@ -320,7 +406,9 @@ fn balance(scene: &Scene, disk: &scene::Disk, system: &mut System) {
     let Some(gas) = &scene.gas else { return };
     let made = disk_of(scene, gas, disk);
     let pulls = |source: scene::Mass| scene.gravity.pulls.has(source, scene::Mass::Gas);
-    if scene.gravity.method == scene::GravityMethod::None || !(pulls(scene::Mass::Gas) || pulls(scene::Mass::Dust)) {
+    if scene.gravity.method == scene::GravityMethod::None
+        || !(pulls(scene::Mass::Gas) || pulls(scene::Mass::Dust))
+    {
         return;
     }
     let soft = |softening: scene::Softening, h: f64| match softening {
@@ -330,15 +418,20 @@ fn balance(scene: &Scene, disk: &scene::Disk, system: &mut System) {
     let (g, d) = (&system.gas.particles, &system.dust.particles);
     let x: Vec<Vec3> = g.x.iter().chain(&d.x).copied().collect();
     let weight = |source: scene::Mass, m: f64| if pulls(source) { m } else { 0.0 };
-    let m: Vec<f64> = g
-        .m
-        .iter()
-        .map(|&m| weight(scene::Mass::Gas, m))
-        .chain(d.m.iter().map(|&m| weight(scene::Mass::Dust, m)))
-        .collect();
-    let dust_softening = scene.dust.as_ref().map_or(scene::Softening::Fixed(0.0), |d| d.softening);
+    let m: Vec<f64> =
+        g.m.iter()
+            .map(|&m| weight(scene::Mass::Gas, m))
+            .chain(d.m.iter().map(|&m| weight(scene::Mass::Dust, m)))
+            .collect();
+    let dust_softening = scene
+        .dust
+        .as_ref()
+        .map_or(scene::Softening::Fixed(0.0), |d| d.softening);
     let softening: Vec<f64> =
-        g.h.iter().map(|&h| soft(gas.softening, h)).chain(d.h.iter().map(|&h| soft(dust_softening, h))).collect();
+        g.h.iter()
+            .map(|&h| soft(gas.softening, h))
+            .chain(d.h.iter().map(|&h| soft(dust_softening, h)))
+            .collect();
     let mut solver = Gravity::new(Settings {
         accuracy: Accuracy::ForceError(1e-3),
         method: Method::Automatic,
@@ -363,5 +456,9 @@ fn balance(scene: &Scene, disk: &scene::Disk, system: &mut System) {
         system.dust.particles.v[i] = turn(x[n + i], a[n + i]);
     }
     system.gas.rates.v_pred.clone_from(&system.gas.particles.v);
-    system.dust.rates.v_pred.clone_from(&system.dust.particles.v);
+    system
+        .dust
+        .rates
+        .v_pred
+        .clone_from(&system.dust.particles.v);
 }

@@ -16,6 +16,7 @@ use thiserror::Error;
 
 use crate::assemble::{self, Assembly};
 use crate::hdf::FileError;
+use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::signals;
@@ -64,7 +65,9 @@ impl From<std::io::Error> for RunError {
 
 impl From<Fault> for RunError {
     fn from(fault: Fault) -> Self {
-        Self::Failed(format!("{fault}; the snapshots and the last checkpoint stay valid"))
+        Self::Failed(format!(
+            "{fault}; the snapshots and the last checkpoint stay valid"
+        ))
     }
 }
 
@@ -82,7 +85,8 @@ pub fn run(scene: Scene, options: &Options) -> Result<Outcome, RunError> {
 
 /// Goes on with the run in `folder` from its checkpoint; from its start if it has none yet.
 pub fn resume(folder: &Path, options: &Options) -> Result<Outcome, RunError> {
-    let scene = Scene::load(&folder.join("scene.toml"), &[]).map_err(|refusal| RunError::Refused(refusal.to_string()))?;
+    let scene = Scene::load(&folder.join("scene.toml"), &[])
+        .map_err(|refusal| RunError::Refused(refusal.to_string()))?;
     if !folder.join("checkpoint.hdf5").is_file() {
         return run(scene, options);
     }
@@ -101,20 +105,44 @@ struct Run {
     schedule: Schedule,
     folder: Folder,
     watch: Stopwatch,
-    progress: Option<indicatif::ProgressBar>,
+    progress: Progress,
     saved: Instant,
 }
 
 impl Run {
-    fn new(scene: Scene, system: System, folder: Folder, watch: Stopwatch, options: &Options) -> Self {
+    fn new(
+        scene: Scene,
+        system: System,
+        folder: Folder,
+        watch: Stopwatch,
+        options: &Options,
+    ) -> Self {
         let end = options.end_time.unwrap_or(scene.run.end_time);
-        let schedule = Schedule { start: 0.0, end, snapshots: scene.run.snapshots.clone(), report: scene.run.end_time / REPORTS };
-        let Assembly { system, splitting, longest, remarks } = assemble::assembly(&scene, system);
-        if !options.quiet {
-            remarks.iter().for_each(|remark| eprintln!("{remark}"));
+        let schedule = Schedule {
+            start: 0.0,
+            end,
+            snapshots: scene.run.snapshots.clone(),
+            report: scene.run.end_time / REPORTS,
+        };
+        let Assembly {
+            system,
+            splitting,
+            longest,
+            remarks,
+        } = assemble::assembly(&scene, system);
+        let progress = Progress::new(system.clock.time(), end, scene.units, options.quiet);
+        remarks.iter().for_each(|remark| progress.say(remark));
+        Self {
+            scene,
+            system,
+            splitting,
+            longest,
+            schedule,
+            folder,
+            watch,
+            progress,
+            saved: Instant::now(),
         }
-        let progress = (!options.quiet).then(|| progress_bar(&scene));
-        Self { scene, system, splitting, longest, schedule, folder, watch, progress, saved: Instant::now() }
     }
 
     /// Advances to the end, or to a signal.
@@ -122,21 +150,30 @@ impl Run {
         loop {
             let synchronous = self.system.clock.synchronous();
             let now = self.system.clock.time();
+            self.progress.tell(now, self.system.clock.step);
             if synchronous {
                 if let Some(signal) = signals::caught() {
                     self.checkpoint()?;
                     self.finish()?;
                     return Ok(Outcome::Interrupted(signal));
                 }
-                if self.saved.elapsed() >= Duration::from_secs_f64(self.scene.run.checkpoint) || now >= self.schedule.end {
+                if self.saved.elapsed() >= Duration::from_secs_f64(self.scene.run.checkpoint)
+                    || now >= self.schedule.end
+                {
                     self.checkpoint()?;
                 }
             }
-            let snapshot = if synchronous { self.schedule.snapshot(now) } else { None };
+            let snapshot = if synchronous {
+                self.schedule.snapshot(now)
+            } else {
+                None
+            };
             // Reports lie on the schedule's own times, which base steps end at exactly.
-            self.system.reporting = synchronous && (snapshot.is_some() || self.schedule.reports(now));
+            self.system.reporting =
+                synchronous && (snapshot.is_some() || self.schedule.reports(now));
             let until = self.schedule.after(now);
-            self.splitting.close(&mut self.system, until, self.longest, &mut self.watch)?;
+            self.splitting
+                .close(&mut self.system, until, self.longest, &mut self.watch)?;
             if self.system.reporting {
                 self.report(now, snapshot)?;
             }
@@ -158,16 +195,16 @@ impl Run {
             let potential = self.system.potential;
             self.system.ledger.open(census, potential);
         }
-        let row = self.system.ledger.report(now, census, self.system.potential);
+        let row =
+            self.system
+                .ledger
+                .report(now, census, self.system.potential, &self.system.domain);
         let events = std::mem::take(&mut self.system.events);
         self.folder.report(&row, &events)?;
-        output::conserved(&row)?;
+        output::conserved(&row, &self.system.domain)?;
         if let Some(number) = snapshot {
-            self.folder.snapshot(number, &self.scene, &self.system, now)?;
-        }
-        if let Some(bar) = &self.progress {
-            bar.set_position((1000.0 * now / self.schedule.end) as u64);
-            bar.set_message(output::state_line(&self.scene, &row));
+            self.folder
+                .snapshot(number, &self.scene, &self.system, now)?;
         }
         Ok(())
     }
@@ -175,7 +212,12 @@ impl Run {
     fn checkpoint(&mut self) -> Result<(), RunError> {
         self.watch.enter(Phase::Output);
         self.watch.stop();
-        saved::write(&self.folder.path("checkpoint.hdf5"), &self.system, &self.watch, self.folder.rows()?)?;
+        saved::write(
+            &self.folder.path("checkpoint.hdf5"),
+            &self.system,
+            &self.watch,
+            self.folder.rows()?,
+        )?;
         self.saved = Instant::now();
         Ok(())
     }
@@ -184,17 +226,6 @@ impl Run {
         self.watch.enter(Phase::Output);
         self.watch.stop();
         self.folder.timings(&self.watch, self.system.clock.step)?;
-        if let Some(bar) = &self.progress {
-            bar.finish();
-        }
         Ok(())
     }
-}
-
-fn progress_bar(scene: &Scene) -> indicatif::ProgressBar {
-    let bar = indicatif::ProgressBar::new(1000);
-    let style = indicatif::ProgressStyle::with_template("{prefix} {wide_bar} {percent}% {elapsed} (left {eta}) {msg}");
-    bar.set_style(style.unwrap_or_else(|_| indicatif::ProgressStyle::default_bar()));
-    bar.set_prefix(scene.name.clone());
-    bar
 }

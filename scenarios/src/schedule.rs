@@ -22,10 +22,18 @@ impl Schedule {
         let snapshot = match &self.snapshots {
             Snapshots::None => f64::INFINITY,
             Snapshots::Every(interval) => next_multiple(self.start, *interval, now),
-            Snapshots::At(times) => times.iter().copied().find(|&t| t > now).unwrap_or(f64::INFINITY),
+            Snapshots::At(times) => times
+                .iter()
+                .copied()
+                .find(|&t| t > now)
+                .unwrap_or(f64::INFINITY),
         };
         let next = report.min(snapshot);
-        if now < self.end && next > self.end * (1.0 - SLACK) { self.end } else { next }
+        if now < self.end && next > self.end * (1.0 - SLACK) {
+            self.end
+        } else {
+            next
+        }
     }
 
     /// Whether a report is due at `now`.
@@ -45,7 +53,10 @@ impl Schedule {
                 (due || last).then_some(if due { count.round() } else { count.ceil() } as usize)
             }
             Snapshots::At(times) => {
-                let past = times.iter().filter(|&&t| t > self.start && t <= now).count();
+                let past = times
+                    .iter()
+                    .filter(|&&t| t > self.start && t <= now)
+                    .count();
                 let due = now == self.start || times.contains(&now);
                 (due || last).then_some(if due { past } else { past + 1 })
             }
@@ -64,7 +75,12 @@ mod tests {
 
     #[test]
     fn every_time_is_met_once_and_the_end_is_the_last() {
-        let schedule = Schedule { start: 0.0, end: 1.0, snapshots: Snapshots::Every(0.3), report: 0.1 };
+        let schedule = Schedule {
+            start: 0.0,
+            end: 1.0,
+            snapshots: Snapshots::Every(0.3),
+            report: 0.1,
+        };
         let (mut now, mut seen) = (0.0, vec![(0.0, schedule.snapshot(0.0))]);
         while now < schedule.end {
             now = schedule.after(now);
@@ -78,10 +94,18 @@ mod tests {
 
     #[test]
     fn listed_times_are_numbered_in_order() {
-        let schedule = Schedule { start: 0.0, end: 1.0, snapshots: Snapshots::At(vec![0.25, 0.5]), report: 10.0 };
+        let schedule = Schedule {
+            start: 0.0,
+            end: 1.0,
+            snapshots: Snapshots::At(vec![0.25, 0.5]),
+            report: 10.0,
+        };
         assert_eq!(schedule.after(0.0), 0.25);
         assert_eq!(schedule.after(0.25), 0.5);
         assert_eq!(schedule.after(0.5), 1.0);
-        assert_eq!([0.0, 0.25, 0.3, 0.5, 1.0].map(|t| schedule.snapshot(t)), [Some(0), Some(1), None, Some(2), Some(3)]);
+        assert_eq!(
+            [0.0, 0.25, 0.3, 0.5, 1.0].map(|t| schedule.snapshot(t)),
+            [Some(0), Some(1), None, Some(2), Some(3)]
+        );
     }
 }

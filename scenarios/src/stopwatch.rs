@@ -27,7 +27,13 @@ pub struct Stopwatch {
 impl Stopwatch {
     /// A stopwatch that runs on from `laps`, in the output phase.
     pub fn new(laps: [Lap; 8], earlier_wall_s: f64) -> Self {
-        Self { laps, earlier_wall_s, phase: Phase::Output, since: ProcessTime::now(), began: Instant::now() }
+        Self {
+            laps,
+            earlier_wall_s,
+            phase: Phase::Output,
+            since: ProcessTime::now(),
+            began: Instant::now(),
+        }
     }
 
     /// Adds the time since the last phase began to that phase.

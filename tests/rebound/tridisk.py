@@ -103,6 +103,23 @@ def from_rebound(sim, path, star=True):
     return path
 
 
+def yt_load(snapshot):
+    """Opens a snapshot with yt, whole: yt drops what lies outside [0, BoxSize], so an open scene gets a box around all its particles."""
+    import yt
+
+    lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
+    with h5py.File(snapshot) as f:
+        size = np.ravel(f["Header"].attrs["BoxSize"]) * np.ones(3)
+        for group in GROUPS.values():
+            if group in f:
+                x = f[group]["Coordinates"][:]
+                lo, hi = np.minimum(lo, x.min(0)), np.maximum(hi, x.max(0))
+    margin = 1e-3 * (hi - lo).max()
+    if (lo >= 0).all() and (hi <= size).all():
+        return yt.load(str(snapshot))
+    return yt.load(str(snapshot), bounding_box=[[a - margin, b + margin] for a, b in zip(lo, hi)])
+
+
 def elements(x, v, mu=1.0):
     """Semi-major axis, eccentricity and inclination of positions and velocities relative to the star."""
     h = np.cross(x, v)

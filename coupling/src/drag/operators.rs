@@ -12,13 +12,22 @@ use crate::operator::{Meter, Operator, Phase};
 const FARTHEST: f64 = 2.0;
 
 fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Exchange {
-    let reach = Reach { neighbours: hydro.neighbours, largest: 1.0 };
-    Exchange::new(Settings { feedback, ..Settings::new(law, reach) })
+    let reach = Reach {
+        neighbours: hydro.neighbours,
+        largest: 1.0,
+    };
+    Exchange::new(Settings {
+        feedback,
+        ..Settings::new(law, reach)
+    })
 }
 
 fn star(system: &System) -> Star {
     let at = system.seen.star_x.first().copied();
-    at.map_or_else(Star::default, |x| Star { x, gm: system.g * system.star.m[0] })
+    at.map_or_else(Star::default, |x| Star {
+        x,
+        gm: system.g * system.star.m[0],
+    })
 }
 
 /// Limits the search for gas to where gas is.
@@ -48,15 +57,25 @@ pub struct DustDrag {
 
 impl DustDrag {
     pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Self {
-        Self { exchange: exchange(law, hydro, feedback), active: Vec::new(), steps: Vec::new() }
+        Self {
+            exchange: exchange(law, hydro, feedback),
+            active: Vec::new(),
+            steps: Vec::new(),
+        }
     }
 
     fn act(&mut self, system: &mut System, half: Half, step: impl Fn(&System, usize) -> f64) {
         self.steps.clear();
-        self.steps.extend(self.active.iter().map(|&i| step(system, i as usize)));
+        self.steps
+            .extend(self.active.iter().map(|&i| step(system, i as usize)));
         let star = star(system);
-        let mut grains = Grains { dust: &mut system.dust, star };
-        let booking = self.exchange.exchange(&mut system.gas, &mut grains, &self.steps, half);
+        let mut grains = Grains {
+            dust: &mut system.dust,
+            star,
+        };
+        let booking = self
+            .exchange
+            .exchange(&mut system.gas, &mut grains, &self.steps, half);
         book(system, &booking, self.exchange.settings.feedback);
     }
 }
@@ -70,24 +89,36 @@ impl Operator for DustDrag {
         meter.enter(Phase::Drag);
         self.active.clear();
         let ends = &system.dust.particles.end;
-        self.active.extend((0..ends.len()).filter(|&i| system.active(ends[i])).map(|i| i as u32));
+        self.active.extend(
+            (0..ends.len())
+                .filter(|&i| system.active(ends[i]))
+                .map(|i| i as u32),
+        );
         limit(&mut self.exchange, system);
         let star = star(system);
-        let mut grains = Grains { dust: &mut system.dust, star };
-        self.exchange.prepare(&system.gas, &mut grains, &self.active, &system.domain);
+        let mut grains = Grains {
+            dust: &mut system.dust,
+            star,
+        };
+        self.exchange
+            .prepare(&system.gas, &mut grains, &self.active, &system.domain);
         meter.count(self.active.len(), 0);
         Ok(())
     }
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Drag);
-        self.act(system, Half::Closing, |s, i| s.closing(s.dust.particles.begin[i], s.dust.particles.span[i]));
+        self.act(system, Half::Closing, |s, i| {
+            s.closing(s.dust.particles.begin[i], s.dust.particles.span[i])
+        });
         Ok(true)
     }
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Drag);
-        self.act(system, Half::Opening, |s, i| s.opening(s.dust.rates.next_span[i]));
+        self.act(system, Half::Opening, |s, i| {
+            s.opening(s.dust.rates.next_span[i])
+        });
         Ok(true)
     }
 }
@@ -101,7 +132,11 @@ pub struct BodyDrag {
 
 impl BodyDrag {
     pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Self {
-        Self { exchange: exchange(law, hydro, feedback), active: Vec::new(), steps: Vec::new() }
+        Self {
+            exchange: exchange(law, hydro, feedback),
+            active: Vec::new(),
+            steps: Vec::new(),
+        }
     }
 
     fn act(&mut self, system: &mut System, half: Half, step: f64) {
@@ -109,8 +144,14 @@ impl BodyDrag {
         self.steps.resize(self.active.len(), step);
         let star = star(system);
         let mut h = std::mem::take(&mut system.bodies.h);
-        let mut bodies = BodiesInGas { bodies: &mut system.bodies, h: &mut h, star };
-        let booking = self.exchange.exchange(&mut system.gas, &mut bodies, &self.steps, half);
+        let mut bodies = BodiesInGas {
+            bodies: &mut system.bodies,
+            h: &mut h,
+            star,
+        };
+        let booking = self
+            .exchange
+            .exchange(&mut system.gas, &mut bodies, &self.steps, half);
         system.bodies.h = h;
         book(system, &booking, self.exchange.settings.feedback);
         system.look();
@@ -136,8 +177,13 @@ impl Operator for BodyDrag {
         self.active.sort_by_cached_key(|&i| cube.key(x[i as usize]));
         let star = star(system);
         let mut h = std::mem::take(&mut system.bodies.h);
-        let mut bodies = BodiesInGas { bodies: &mut system.bodies, h: &mut h, star };
-        self.exchange.prepare(&system.gas, &mut bodies, &self.active, &system.domain);
+        let mut bodies = BodiesInGas {
+            bodies: &mut system.bodies,
+            h: &mut h,
+            star,
+        };
+        self.exchange
+            .prepare(&system.gas, &mut bodies, &self.active, &system.domain);
         system.bodies.h = h;
         meter.count(self.active.len(), 0);
         Ok(())
@@ -147,7 +193,11 @@ impl Operator for BodyDrag {
         meter.enter(Phase::Drag);
         let active = system.bodies_active();
         if active {
-            self.act(system, Half::Closing, system.closing(system.pace.begin, system.pace.span));
+            self.act(
+                system,
+                Half::Closing,
+                system.closing(system.pace.begin, system.pace.span),
+            );
         }
         Ok(active)
     }

@@ -112,6 +112,9 @@ pub trait Columns {
     /// All columns, in the order of their declaration.
     fn list(&self) -> Vec<(Label, ColumnRef<'_>)>;
 
+    /// Bytes that the columns hold reserved, filled or not.
+    fn reserved(&self) -> usize;
+
     /// All columns, in the order of their declaration.
     fn list_mut(&mut self) -> Vec<(Label, ColumnMut<'_>)>;
 
@@ -178,7 +181,7 @@ pub trait Columns {
         })
     }
 
-    /// Bytes that the columns hold reserved.
+    /// Bytes that the columns fill.
     fn bytes(&self) -> usize {
         self.list()
             .iter()
@@ -274,6 +277,13 @@ macro_rules! columns {
 
             fn len(&self) -> usize {
                 self.$first.len()
+            }
+
+            fn reserved(&self) -> usize {
+                fn bytes<T>(column: &Vec<T>) -> usize {
+                    column.capacity() * size_of::<T>()
+                }
+                bytes(&self.$first) $(+ bytes(&self.$field))*
             }
         }
     };

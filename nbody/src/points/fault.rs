@@ -54,7 +54,12 @@ pub enum Fault {
         time: f64,
     },
     #[error("{population} body {id} cannot be moved at time {time}: {reason}")]
-    Stuck { population: Population, id: u64, reason: String, time: f64 },
+    Stuck {
+        population: Population,
+        id: u64,
+        reason: String,
+        time: f64,
+    },
     #[error("{quantity} is not conserved: relative error {error:e} exceeds {bar:e} at time {time}")]
     NotConserved {
         quantity: &'static str,

@@ -22,7 +22,8 @@ pub struct Start {
 
 /// Reads the populations that the scene models; those that it does not model are refused, since a run would lose them.
 pub fn read(path: &Path, scene: &Scene) -> Result<Start, Refusal> {
-    let contents = snapshot::read(path, Some(&scene.units)).map_err(|error| Refusal(error.to_string()))?;
+    let contents =
+        snapshot::read(path, Some(&scene.units)).map_err(|error| Refusal(error.to_string()))?;
     let mut start = Start::default();
     for rows in contents.groups.iter().filter(|rows| !rows.is_empty()) {
         let (modelled, table) = match rows.part_type {
@@ -30,13 +31,27 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Start, Refusal> {
             1 => (scene.planetesimals.is_some(), "[planetesimals]"),
             2 => (scene.dust.is_some(), "[dust]"),
             4 => (scene.star.is_some(), "[star]"),
-            other => return Err(Refusal(format!("{}: PartType{other} is no population of a scene", path.display()))),
+            other => {
+                return Err(Refusal(format!(
+                    "{}: PartType{other} is no population of a scene",
+                    path.display()
+                )));
+            }
         };
         if !modelled {
             let kind = rows.part_type;
-            return Err(Refusal(format!("{}: has PartType{kind}, but the scene has no table {table}", path.display())));
+            return Err(Refusal(format!(
+                "{}: has PartType{kind}, but the scene has no table {table}",
+                path.display()
+            )));
         }
-        let refuse = |what: String| Refusal(format!("{}: PartType{}: {what}", path.display(), rows.part_type));
+        let refuse = |what: String| {
+            Refusal(format!(
+                "{}: PartType{}: {what}",
+                path.display(),
+                rows.part_type
+            ))
+        };
         match rows.part_type {
             0 => start.gas = gas(rows, scene).map_err(refuse)?,
             1 => start.bodies = bodies(rows, Kind::Planetesimal),
@@ -53,17 +68,29 @@ fn column(rows: &Rows, name: &str) -> Vec<f64> {
 }
 
 fn gas(rows: &Rows, scene: &Scene) -> Result<Particles, String> {
-    let Some(gas) = &scene.gas else { return Ok(Particles::default()) };
+    let Some(gas) = &scene.gas else {
+        return Ok(Particles::default());
+    };
     let hydro = hydro(scene, gas);
     let u = column(rows, "InternalEnergies");
     if u.is_empty() && hydro.eos.is_free() {
-        return Err("InternalEnergies are missing, and the equation of state does not set them".into());
+        return Err(
+            "InternalEnergies are missing, and the equation of state does not set them".into(),
+        );
     }
     let mut h = column(rows, "SmoothingLengths");
     if h.is_empty() {
         h = vec![guess(rows, scene, hydro.support(), hydro.neighbours); rows.len()];
     }
-    let mut particles = Particles { id: rows.id.clone(), x: rows.x.clone(), v: rows.v.clone(), m: rows.m.clone(), u, h, ..Default::default() };
+    let mut particles = Particles {
+        id: rows.id.clone(),
+        x: rows.x.clone(),
+        v: rows.v.clone(),
+        m: rows.m.clone(),
+        u,
+        h,
+        ..Default::default()
+    };
     particles.resize(rows.len());
     Ok(particles)
 }
@@ -72,14 +99,23 @@ fn gas(rows: &Rows, scene: &Scene) -> Result<Particles, String> {
 fn guess(rows: &Rows, scene: &Scene, support: f64, neighbours: f64) -> f64 {
     let (lo, hi) = nbody::points::sort::bounds(&rows.x);
     let d = scene.domain.dimensions();
-    let volume: f64 = (0..3).filter(|&a| scene.domain.axes[a]).map(|a| (hi[a] - lo[a]).max(1e-3 * (hi - lo).max())).product();
-    let unit = if d == 3 { 4.0 / 3.0 * std::f64::consts::PI } else { std::f64::consts::PI };
+    let volume: f64 = (0..3)
+        .filter(|&a| scene.domain.axes[a])
+        .map(|a| (hi[a] - lo[a]).max(1e-3 * (hi - lo).max()))
+        .product();
+    let unit = if d == 3 {
+        4.0 / 3.0 * std::f64::consts::PI
+    } else {
+        std::f64::consts::PI
+    };
     let length = (neighbours * volume / (unit * rows.len() as f64)).powf(1.0 / d as f64) / support;
     if length > 0.0 { length } else { 1.0 }
 }
 
 fn dust(rows: &Rows, scene: &Scene) -> Result<Superparticles, String> {
-    let Some(dust) = &scene.dust else { return Ok(Superparticles::default()) };
+    let Some(dust) = &scene.dust else {
+        return Ok(Superparticles::default());
+    };
     let n = rows.len();
     let mut grain_radius = column(rows, "GrainRadii");
     if grain_radius.is_empty() {
@@ -109,13 +145,22 @@ fn dust(rows: &Rows, scene: &Scene) -> Result<Superparticles, String> {
 fn bodies(rows: &Rows, kind: Kind) -> Bodies {
     let radius = match (rows.more.get("Radii"), rows.more.get("Densities")) {
         (Some(radius), _) => radius.clone(),
-        (None, Some(rho)) => {
-            rows.m.iter().zip(rho).map(|(m, rho)| (3.0 * m / (4.0 * std::f64::consts::PI * rho)).cbrt()).collect()
-        }
+        (None, Some(rho)) => rows
+            .m
+            .iter()
+            .zip(rho)
+            .map(|(m, rho)| (3.0 * m / (4.0 * std::f64::consts::PI * rho)).cbrt())
+            .collect(),
         (None, None) => Vec::new(),
     };
-    let mut bodies =
-        Bodies { id: rows.id.clone(), x: rows.x.clone(), v: rows.v.clone(), m: rows.m.clone(), radius, ..Default::default() };
+    let mut bodies = Bodies {
+        id: rows.id.clone(),
+        x: rows.x.clone(),
+        v: rows.v.clone(),
+        m: rows.m.clone(),
+        radius,
+        ..Default::default()
+    };
     bodies.resize(rows.len());
     bodies.kind.fill(kind as u32);
     bodies

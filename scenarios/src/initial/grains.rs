@@ -46,10 +46,13 @@ impl Sizes {
 
     fn check(&self) {
         let sound = match *self {
-            Self::One(radius) => radius > 0.0,
+            Self::One(radius) => radius >= 0.0,
             Self::PowerLaw { min, max, slope } => 0.0 < min && min <= max && slope.is_finite(),
         };
-        assert!(sound, "radii of grains are positive and ascend: {self:?}");
+        assert!(
+            sound,
+            "radii of grains are not negative and ascend: {self:?}"
+        );
     }
 }
 

@@ -22,16 +22,37 @@ pub struct Saved {
     pub rows: [u64; 2],
 }
 
-pub fn write(path: &Path, system: &System, watch: &Stopwatch, rows: [u64; 2]) -> Result<(), FileError> {
-    assert!(system.clock.synchronous(), "checkpoints are taken at the ends of base steps");
+pub fn write(
+    path: &Path,
+    system: &System,
+    watch: &Stopwatch,
+    rows: [u64; 2],
+) -> Result<(), FileError> {
+    assert!(
+        system.clock.synchronous(),
+        "checkpoints are taken at the ends of base steps"
+    );
     let mut draft = Draft::default();
-    draft.set("gas", &system.gas.particles).set("gas rates", &system.gas.rates);
-    draft.set("dust", &system.dust.particles).set("dust rates", &system.dust.rates);
-    draft.set("bodies", &system.bodies).set("star", &system.star);
+    draft
+        .set("gas", &system.gas.particles)
+        .set("gas rates", &system.gas.rates);
+    draft
+        .set("dust", &system.dust.particles)
+        .set("dust rates", &system.dust.rates);
+    draft
+        .set("bodies", &system.bodies)
+        .set("star", &system.star);
     let clock = &system.clock;
     draft.fact("clock", Fact::Reals(vec![clock.start, clock.end]));
     let pace = system.pace;
-    draft.fact("ticks", Fact::Integers([clock.tick, pace.begin, pace.span, pace.end, pace.next_span].map(u64::from).to_vec()));
+    draft.fact(
+        "ticks",
+        Fact::Integers(
+            [clock.tick, pace.begin, pace.span, pace.end, pace.next_span]
+                .map(u64::from)
+                .to_vec(),
+        ),
+    );
     draft.fact("step", Fact::Integer(clock.step));
     draft.fact("pending star", Fact::Reals(flat(&system.pending_star)));
     draft.fact("pending bodies", Fact::Reals(flat(&system.pending_bodies)));
@@ -43,13 +64,41 @@ pub fn write(path: &Path, system: &System, watch: &Stopwatch, rows: [u64; 2]) ->
     sums.extend(ledger.spin.as_slice());
     sums.extend(totals_reals(&ledger.given_away));
     draft.fact("ledger sums", Fact::Reals(sums));
-    draft.fact("floors", Fact::Integers(vec![ledger.floors, ledger.lopsided]));
-    draft.fact("operators", Fact::Text(ledger.entries.iter().map(|e| e.operator.as_str()).collect::<Vec<_>>().join("\n")));
-    draft.fact("operators' changes", Fact::Reals(ledger.entries.iter().flat_map(|e| census_reals(&e.change)).collect()));
+    draft.fact(
+        "floors",
+        Fact::Integers(vec![ledger.floors, ledger.lopsided]),
+    );
+    draft.fact(
+        "operators",
+        Fact::Text(
+            ledger
+                .entries
+                .iter()
+                .map(|e| e.operator.as_str())
+                .collect::<Vec<_>>()
+                .join("\n"),
+        ),
+    );
+    draft.fact(
+        "operators' changes",
+        Fact::Reals(
+            ledger
+                .entries
+                .iter()
+                .flat_map(|e| census_reals(&e.change))
+                .collect(),
+        ),
+    );
     draft.fact("rows", Fact::Integers(rows.to_vec()));
     draft.fact("wall_s", Fact::Real(watch.wall_s()));
-    draft.fact("cpu_s", Fact::Reals(watch.laps.iter().map(|lap| lap.cpu_s).collect()));
-    let counts = watch.laps.iter().flat_map(|lap| [lap.calls, lap.targets, lap.interactions]);
+    draft.fact(
+        "cpu_s",
+        Fact::Reals(watch.laps.iter().map(|lap| lap.cpu_s).collect()),
+    );
+    let counts = watch
+        .laps
+        .iter()
+        .flat_map(|lap| [lap.calls, lap.targets, lap.interactions]);
     draft.fact("counts", Fact::Integers(counts.collect()));
     draft.write(path)
 }
@@ -69,18 +118,38 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     file.read_set("star", &mut system.star)?;
     let (clock, ticks) = (file.reals("clock")?, file.integers("ticks")?);
     let tick = |k: usize| ticks[k] as u32;
-    system.clock = Clock { start: clock[0], end: clock[1], tick: tick(0), step: file.integer("step")? };
+    system.clock = Clock {
+        start: clock[0],
+        end: clock[1],
+        tick: tick(0),
+        step: file.integer("step")?,
+    };
     system.next = system.clock;
-    system.pace = Pace { begin: tick(1), span: tick(2), end: tick(3), next_span: tick(4) };
+    system.pace = Pace {
+        begin: tick(1),
+        span: tick(2),
+        end: tick(3),
+        next_span: tick(4),
+    };
     system.look();
     system.pending_star = vectors(&file.reals("pending star")?);
     system.pending_bodies = vectors(&file.reals("pending bodies")?);
     system.memory = file.reals("integrator")?;
     read_ledger(&file, &mut system)?;
     let (cpu, counts) = (file.reals("cpu_s")?, file.integers("counts")?);
-    let lap = |k: usize| Lap { cpu_s: cpu[k], calls: counts[3 * k], targets: counts[3 * k + 1], interactions: counts[3 * k + 2] };
+    let lap = |k: usize| Lap {
+        cpu_s: cpu[k],
+        calls: counts[3 * k],
+        targets: counts[3 * k + 1],
+        interactions: counts[3 * k + 2],
+    };
     let rows = file.integers("rows")?;
-    Ok(Saved { system, laps: std::array::from_fn(lap), wall_s: file.real("wall_s")?, rows: [rows[0], rows[1]] })
+    Ok(Saved {
+        system,
+        laps: std::array::from_fn(lap),
+        wall_s: file.real("wall_s")?,
+        rows: [rows[0], rows[1]],
+    })
 }
 
 fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> {
@@ -96,7 +165,12 @@ fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> 
     let changes = file.reals("operators' changes")?;
     let names = file.text("operators")?;
     let names = names.lines().zip(changes.chunks(4 * TOTALS));
-    ledger.entries = names.map(|(name, change)| Entry { operator: name.to_owned(), change: census_of(change) }).collect();
+    ledger.entries = names
+        .map(|(name, change)| Entry {
+            operator: name.to_owned(),
+            change: census_of(change),
+        })
+        .collect();
     Ok(())
 }
 
@@ -105,7 +179,19 @@ const TOTALS: usize = 11;
 
 fn totals_reals(t: &Totals) -> [f64; TOTALS] {
     let (p, l) = (t.momentum, t.angular_momentum);
-    [t.mass, p.x, p.y, p.z, l.x, l.y, l.z, t.kinetic, t.internal, t.momentum_scale, t.angular_scale]
+    [
+        t.mass,
+        p.x,
+        p.y,
+        p.z,
+        l.x,
+        l.y,
+        l.z,
+        t.kinetic,
+        t.internal,
+        t.momentum_scale,
+        t.angular_scale,
+    ]
 }
 
 fn totals_of(r: &[f64]) -> Totals {
@@ -133,5 +219,8 @@ fn flat(v: &[Vec3]) -> Vec<f64> {
 }
 
 fn vectors(reals: &[f64]) -> Vec<Vec3> {
-    reals.chunks(3).map(|v| Vec3::new(v[0], v[1], v[2])).collect()
+    reals
+        .chunks(3)
+        .map(|v| Vec3::new(v[0], v[1], v[2]))
+        .collect()
 }

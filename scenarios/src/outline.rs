@@ -1,0 +1,183 @@
+//! The outline of a scene: what it models and what not, how large it is, its first steps, and what a run of it is likely to cost.
+//!
+//! The start is really made and the first forces really taken; the cost is the time of that by the number of steps that the particles want.
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use coupling::{System, Unmetered};
+use nbody::points::{Columns, Dimension, clock::TICKS};
+
+use crate::assemble::{self, Assembly};
+use crate::run::RunError;
+use crate::scene::Scene;
+
+/// What `check` says of a scene.
+pub fn outline(scene: &Scene) -> Result<String, RunError> {
+    let system = assemble::start(scene).map_err(|refusal| RunError::Refused(refusal.0))?;
+    let populations = populations(&system);
+    let Assembly {
+        mut system,
+        mut splitting,
+        longest,
+        remarks,
+    } = assemble::assembly(scene, system);
+    let mut text = format!("{}\n\nmodelled:\n{populations}", scene.title);
+    let mut line =
+        |words: String| writeln!(text, "{words}").expect("writing to a string does not fail");
+    line(format!(
+        "  operators of a step: {}",
+        splitting.names().join(", ")
+    ));
+    remarks
+        .iter()
+        .for_each(|remark| line(format!("  {remark}")));
+    line(format!(
+        "not modelled: {}",
+        absent(scene, &system).join(", ")
+    ));
+    line(format!(
+        "memory: {:.1} MB of particles",
+        bytes(&system) as f64 / 1e6
+    ));
+    let began = Instant::now();
+    let end = scene.run.end_time;
+    splitting.close(&mut system, end, longest, &mut Unmetered)?;
+    let seconds = began.elapsed().as_secs_f64();
+    let base = system.next.end - system.next.start;
+    let steps = Steps::of(&system);
+    if steps.particles > 0.0 {
+        let unit = scene.units.symbol(Dimension::TIME);
+        let length = |span: u32| base * f64::from(span) / f64::from(TICKS);
+        line(format!(
+            "first steps: {:.3e} to {:.3e} {unit}",
+            length(steps.shortest),
+            length(steps.longest)
+        ));
+        let mean = steps.updates / steps.particles * end / base;
+        line(format!(
+            "cost: about {mean:.0} steps a particle, {} on this machine now",
+            duration(mean * seconds)
+        ));
+    }
+    Ok(text)
+}
+
+fn populations(system: &System) -> String {
+    let mut text = String::new();
+    let planets = system
+        .bodies
+        .kind
+        .iter()
+        .filter(|&&kind| kind == nbody::Kind::Planet as u32)
+        .count();
+    let counts = [
+        ("star", system.star.len()),
+        ("planets", planets),
+        ("planetesimals", system.bodies.len() - planets),
+        ("gas particles", system.gas.len()),
+        ("dust superparticles", system.dust.len()),
+    ];
+    for (name, count) in counts.into_iter().filter(|(_, count)| *count > 0) {
+        writeln!(text, "  {count} {name}").expect("writing to a string does not fail");
+    }
+    text
+}
+
+/// What a reader could expect and the scene leaves out.
+fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
+    let gas = !system.gas.is_empty();
+    let lacks = [
+        (system.star.is_empty(), "a star"),
+        (!gas, "gas"),
+        (system.dust.is_empty(), "dust"),
+        (system.bodies.is_empty(), "planetesimals and planets"),
+        (
+            scene.gravity.method == crate::scene::GravityMethod::None,
+            "gravity of gas, dust and planetesimals",
+        ),
+        (
+            gas && !system.dust.is_empty() && !scene.coupling.gas_dust,
+            "drag between gas and dust",
+        ),
+        (
+            gas && !system.bodies.is_empty() && !scene.coupling.gas_planetesimals,
+            "drag between gas and bodies",
+        ),
+        (
+            gas && !scene.coupling.feedback,
+            "the gas's reaction to drag",
+        ),
+        (gas, "cooling, magnetic fields, radiation"),
+        (
+            !system.dust.is_empty(),
+            "growth and fragmentation of grains",
+        ),
+        (!system.bodies.is_empty(), "fragmentation of bodies"),
+    ];
+    lacks
+        .into_iter()
+        .filter_map(|(lacks, what)| lacks.then_some(what))
+        .collect()
+}
+
+fn bytes(system: &System) -> usize {
+    let gas = &system.gas;
+    let dust = &system.dust;
+    let sets: [&dyn Columns; 8] = [
+        &gas.particles,
+        &gas.derived,
+        &gas.rates,
+        &dust.particles,
+        &dust.derived,
+        &dust.rates,
+        &system.bodies,
+        &system.star,
+    ];
+    sets.iter().map(|set| set.bytes()).sum()
+}
+
+/// The steps that particles want at the start.
+struct Steps {
+    particles: f64,
+    /// Updates of all particles in a base step.
+    updates: f64,
+    shortest: u32,
+    longest: u32,
+}
+
+impl Steps {
+    fn of(system: &System) -> Self {
+        let bodies = std::iter::repeat_n(system.pace.next_span, system.bodies.len());
+        let spans = system
+            .gas
+            .rates
+            .next_span
+            .iter()
+            .chain(&system.dust.rates.next_span)
+            .copied()
+            .chain(bodies);
+        let none = Self {
+            particles: 0.0,
+            updates: 0.0,
+            shortest: TICKS,
+            longest: 0,
+        };
+        spans
+            .filter(|&span| span > 0)
+            .fold(none, |steps, span| Self {
+                particles: steps.particles + 1.0,
+                updates: steps.updates + f64::from(TICKS / span),
+                shortest: steps.shortest.min(span),
+                longest: steps.longest.max(span),
+            })
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{s:.1} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}

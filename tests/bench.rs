@@ -1,0 +1,99 @@
+//! The bench of the tests: runs a scene into a folder of its own and reads what the run left there.
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+use tridisk::history;
+use tridisk::run::{self, Options, Outcome};
+use tridisk::scene::Scene;
+use tridisk::snapshot::{self, Particles};
+
+/// A shipped scene.
+pub fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../scenarios")
+        .join(name)
+}
+
+/// A run that has ended.
+pub struct Done {
+    folder: TempDir,
+}
+
+/// Runs a shipped scene with overrides.
+pub fn run(name: &str, overrides: &[&str]) -> Done {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    let scene =
+        Scene::load(&shipped(name), &overrides).unwrap_or_else(|refusal| panic!("{refusal}"));
+    go(scene)
+}
+
+fn go(scene: Scene) -> Done {
+    let folder = TempDir::new().expect("a folder");
+    let options = Options {
+        output: folder.path().to_path_buf(),
+        end_time: None,
+        quiet: true,
+    };
+    let outcome = run::run(scene, &options).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(outcome, Outcome::Done);
+    Done { folder }
+}
+
+impl Done {
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// A column of the ledger.
+    pub fn ledger(&self, column: &str) -> Vec<f64> {
+        let columns = history::read_numbers(&self.path("ledger.csv")).expect("a ledger");
+        columns
+            .into_iter()
+            .find(|(name, _)| name == column)
+            .unwrap_or_else(|| panic!("no column {column}"))
+            .1
+    }
+
+    /// The largest absolute value in a column of the ledger; not a number if there is one that is none.
+    pub fn largest(&self, column: &str) -> f64 {
+        self.ledger(column)
+            .into_iter()
+            .map(f64::abs)
+            .fold(0.0, |a, b| if a >= b { a } else { b })
+    }
+
+    pub fn snapshots(&self) -> Vec<PathBuf> {
+        (0..)
+            .map(|k| self.path(&format!("snapshot_{k:04}.hdf5")))
+            .take_while(|path| path.is_file())
+            .collect()
+    }
+
+    /// A population of a snapshot, ordered by id.
+    pub fn particles(&self, snapshot: &Path, part_type: usize) -> Particles {
+        let contents = snapshot::read(snapshot, None).unwrap_or_else(|error| panic!("{error}"));
+        let rows = contents.group(part_type).expect("the population").clone();
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        order.sort_by_key(|&i| rows.id[i]);
+        let more = rows
+            .more
+            .iter()
+            .map(|(&name, v)| (name, order.iter().map(|&i| v[i]).collect()))
+            .collect();
+        Particles {
+            part_type,
+            id: order.iter().map(|&i| rows.id[i]).collect(),
+            x: order.iter().map(|&i| rows.x[i]).collect(),
+            v: order.iter().map(|&i| rows.v[i]).collect(),
+            m: order.iter().map(|&i| rows.m[i]).collect(),
+            more,
+        }
+    }
+
+    pub fn time(&self, snapshot: &Path) -> f64 {
+        snapshot::read(snapshot, None)
+            .unwrap_or_else(|error| panic!("{error}"))
+            .time
+    }
+}
