@@ -234,8 +234,8 @@ fn dustybox_agrees_with_the_table() {
         }
         time = until;
         let error = off(&scene.gas.particles.v, v_g)
-            .max(off(&scene.dust.particles.v, v_d))
-            .max((heat / 216.0 - table).abs());
+            + off(&scene.dust.particles.v, v_d)
+            + (heat / 216.0 - table).abs();
         // The table has twelve digits.
         assert!(error < 1e-12, "t = {until}: {error:e}");
     }
@@ -375,13 +375,7 @@ fn heavy_stiff_dust_at_random_places_only_loses_energy() {
         assert!(p < 1e-12, "momentum {p:e}");
         let energy = (last.kinetic + last.heat) / (start.kinetic + start.heat) - 1.0;
         assert!(energy.abs() < 1e-12, "energy {energy:e}");
-        let coldest = scene
-            .gas
-            .particles
-            .u
-            .iter()
-            .fold(9.0, |a: f64, &b| a.min(b));
-        assert!(coldest > 0.99, "{coldest}");
+        assert!(scene.gas.particles.u.iter().all(|&u| u > 0.99));
     }
 }
 
@@ -423,14 +417,10 @@ fn a_grain_moving_with_sheared_gas_feels_nothing() {
     let mut scene = Box::new(gas, dust, Domain::open(), constant(1e-6));
     let before = scene.dust.particles.v.clone();
     scene.step(1.0);
-    let error = scene
-        .dust
-        .particles
-        .v
-        .iter()
-        .zip(&before)
-        .fold(0.0, |m: f64, (a, b)| m.max((a - b).norm()));
-    assert!(error < 2e-13, "{error:e}");
+    for (after, before) in scene.dust.particles.v.iter().zip(&before) {
+        let error = (after - before).norm();
+        assert!(error < 2e-13, "{error:e}");
+    }
 }
 
 #[test]
