@@ -195,7 +195,13 @@ impl Gravity {
     fn weigh(&mut self) {
         moments::refresh(&self.tree, &self.sources, &mut self.moments);
         let by_error = matches!(self.settings.accuracy, Accuracy::ForceError(_));
-        self.lenses = walk::lenses(&self.tree, &self.sources, &self.moments, by_error);
+        walk::prepare(
+            &self.tree,
+            &self.sources,
+            &self.moments,
+            by_error,
+            &mut self.lenses,
+        );
     }
 
     /// Accelerations of the particles numbered in `active`, and their potentials unless `potential` is empty.

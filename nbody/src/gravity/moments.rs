@@ -104,6 +104,14 @@ mod tests {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-14 * a.abs().max(1.0);
         assert!(near(whole.m, shifted.m) && near(whole.eps2, shifted.eps2));
         assert!((whole.centre - shifted.centre).norm() < 1e-14);
+        let plain = |f: fn(Vec3) -> f64| -> f64 {
+            let spread = |p: &Moment| p.m * f(p.centre - whole.centre);
+            all.iter().map(spread).sum()
+        };
+        assert!(near(plain(|d| d.norm_squared()), whole.trace()));
+        assert!(near(plain(|d| d.x * d.y), whole.second[3]));
+        assert!(near(plain(|d| d.x * d.z), whole.second[4]));
+        assert!(near(plain(|d| d.y * d.z), whole.second[5]));
         let pairs = whole.second.iter().zip(shifted.second);
         assert!(pairs.into_iter().all(|(&a, b)| near(a, b)));
     }

@@ -269,12 +269,11 @@ fn close_pairs_keep_their_force() {
                 set.x[i + 1] = set.x[i] + Vec3::new(0.6, 0.0, 0.8) * distance;
             }
             let (a, _) = field(&set, settings(Accuracy::ForceError(1e-4), method));
-            let errors = (0..2).chain(7..9).chain(2800..3000).map(|i| {
+            for i in (0..2).chain(7..9).chain(2800..3000) {
                 let exact = plain(&set, i).0;
-                (a[i] - exact).norm() / exact.norm()
-            });
-            let worst = errors.fold(0.0, f64::max);
-            assert!(worst < 2e-3, "{distance}: {worst}");
+                let error = (a[i] - exact).norm() / exact.norm();
+                assert!(error < 2e-3, "{distance}: {error}");
+            }
         }
     }
 }
@@ -330,7 +329,7 @@ fn refit_is_as_good_as_build() {
     gravity.build(&set.x, &set.m, &set.softening);
     let mut dice = Dice(9);
     for x in &mut set.x {
-        *x += 0.01 * Vec3::new(dice.throw() - 0.5, dice.throw() - 0.5, 0.1 * dice.throw());
+        *x *= 1.0 + 0.2 * (dice.throw() - 0.5);
     }
     gravity.refit(&set.x, &set.m, &set.softening);
     let (a, _) = all(&mut gravity, 8000);

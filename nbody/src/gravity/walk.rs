@@ -1,8 +1,11 @@
 //! The walk: which nodes may pull on a group of targets by their moments, and which particles must do so one by one.
 //!
-//! A node is taken whole if its centre of mass is further than max(reach g, bound) from the box around the targets. `bound`
-//! keeps targets outside of the node; reach^5 is the octupole's size that the expansion leaves out: the error of a node's
-//! acceleration is about (m b^3) / d^5 with m b^2 the trace of the second moments.
+//! A node is taken whole if its centre of mass is further than max(reach, bound) from the box around the targets. `bound` keeps
+//! targets outside of the node. The expansion leaves out the octupole, so the error of a node's acceleration at distance d is about
+//! tr S b / d^5, with S the second moments and b the distance from the centre of mass to the furthest corner of the box; reach is
+//! where that equals the error allowed. Groups of a cluster walk the upper tree together and get the lists they would get alone.
+
+use rayon::prelude::*;
 
 use crate::points::{Node, Tree, Vec3};
 
@@ -18,7 +21,7 @@ const FEW: u32 = 2;
 #[derive(Clone, Copy, Debug)]
 pub struct Lens {
     centre: Vec3,
-    /// square of the distance that is enough for a unit error
+    /// square of the distance that is enough for a unit error or angle
     reach2: f64,
     /// square of the distance that must be kept in any case
     bound2: f64,
@@ -60,7 +63,13 @@ impl Criterion {
 }
 
 /// Prepares the walk; `by_error` for [`Criterion::Error`], else for [`Criterion::Angle`].
-pub fn lenses(tree: &Tree, sources: &Sources, moments: &[Moment], by_error: bool) -> Vec<Lens> {
+pub fn prepare(
+    tree: &Tree,
+    sources: &Sources,
+    moments: &[Moment],
+    by_error: bool,
+    lenses: &mut Vec<Lens>,
+) {
     let lens = |(node, moment): (&Node, &Moment)| {
         let corner = (moment.centre - node.lo).sup(&(node.hi - moment.centre));
         let size2 = corner.norm_squared();
@@ -79,7 +88,12 @@ pub fn lenses(tree: &Tree, sources: &Sources, moments: &[Moment], by_error: bool
             skip: node.skip,
         }
     };
-    tree.nodes.iter().zip(moments).map(lens).collect()
+    tree.nodes
+        .par_iter()
+        .zip(moments)
+        .with_min_len(1024)
+        .map(lens)
+        .collect_into_vec(lenses);
 }
 
 /// What pulls on a group of targets.
