@@ -262,7 +262,9 @@ mod tests {
 
     #[test]
     fn a_radial_orbit_has_no_elements() {
-        assert_eq!(Elements::of(1.0, Vec3::x(), 0.3 * Vec3::x()), None);
+        for speed in [0.0, 0.3, 2f64.sqrt(), 3.0] {
+            assert_eq!(Elements::of(1.0, Vec3::x(), speed * Vec3::x()), None);
+        }
         assert_eq!(Elements::of(1.0, Vec3::zeros(), Vec3::x()), None);
     }
 }

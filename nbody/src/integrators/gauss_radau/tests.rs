@@ -149,3 +149,15 @@ fn a_head_on_collision_of_points_stalls_instead_of_hanging() {
         "{time}"
     );
 }
+
+#[test]
+fn a_force_that_ends_somewhere_stalls_there() {
+    let mut radau = GaussRadau::new(0.0, &[Vec3::zeros()], &[Vec3::x()]);
+    let stall = radau.advance_to(3.0, |x, a| {
+        a[0].y = if x[0].x < 1.0 { 0.1 } else { f64::NAN };
+    });
+    // A step may end past the wall by the little that lies beyond its last spacing.
+    let time = stall.expect_err("no force beyond 1").time;
+    assert!((time - 1.0).abs() < 0.03, "{time}");
+    assert!((radau.x()[0] - Vec3::new(time, 0.05 * time * time, 0.0)).norm() < 1e-14);
+}
