@@ -24,11 +24,8 @@ const SYSTEM: [(f64, [f64; 3], [f64; 3]); 5] = [
 /// The bodies of `range`, seen from the centre of mass of all: a system that drifts away loses digits of its separations.
 fn bodies(range: Range<usize>) -> Bodies {
     let total: f64 = SYSTEM.iter().map(|b| b.0).sum();
-    let mean = |part: fn(&(f64, [f64; 3], [f64; 3])) -> [f64; 3]| {
-        let moments = SYSTEM.iter().map(|b| Vec3::from(part(b)) * b.0);
-        moments.sum::<Vec3>() / total
-    };
-    let (x_cm, v_cm) = (mean(|b| b.1), mean(|b| b.2));
+    let x_cm = SYSTEM.iter().map(|b| Vec3::from(b.1) * b.0).sum::<Vec3>() / total;
+    let v_cm = SYSTEM.iter().map(|b| Vec3::from(b.2) * b.0).sum::<Vec3>() / total;
     let mut set = Bodies::default();
     set.resize(range.len());
     for (i, &(m, x, v)) in SYSTEM[range].iter().enumerate() {

@@ -6,6 +6,7 @@
 //! error is a random walk in rounding. A force must be smooth; it may be softened.
 //! Source: Everhart (1985); Rein & Spiegel (2015).
 
+mod checkpoint;
 mod spacings;
 
 use thiserror::Error;
@@ -374,65 +375,6 @@ fn next_step(dt: f64, error: f64) -> f64 {
         return 0.1 * SAFETY * dt;
     }
     dt * error.powf(-1.0 / 7.0).min(1.0 / SAFETY)
-}
-
-/// Numbers of a checkpoint before those of the bodies.
-const HEAD: usize = 6;
-/// Numbers of a checkpoint a component.
-const COMPONENT: usize = 18;
-
-impl GaussRadau {
-    /// The whole state in plain numbers, for a checkpoint.
-    pub fn state(&self) -> Vec<f64> {
-        let head = [
-            self.epsilon,
-            self.time,
-            self.time_lost,
-            self.wanted,
-            self.last,
-        ];
-        let mut state = vec![self.x.len() as f64];
-        state.extend(head);
-        for c in 0..self.b_last.len() {
-            let (i, axis) = (c / 3, c % 3);
-            state.extend([
-                self.x[i][axis],
-                self.v[i][axis],
-                self.x_lost[c],
-                self.v_lost[c],
-            ]);
-            state.extend(self.b_last[c]);
-            state.extend(self.e_last[c]);
-        }
-        state
-    }
-
-    /// The integrator whose [`GaussRadau::state`] was `state`; none if the numbers are not such a state.
-    pub fn restored(state: &[f64]) -> Option<Self> {
-        let &[n, epsilon, time, time_lost, wanted, last] = state.first_chunk::<HEAD>()?;
-        let components = (state.len() - HEAD) / COMPONENT;
-        if HEAD + COMPONENT * components != state.len() || 3.0 * n != components as f64 {
-            return None;
-        }
-        let zeros = vec![Vec3::zeros(); components / 3];
-        let mut whole = Self {
-            epsilon,
-            time_lost,
-            wanted,
-            last,
-            ..Self::new(time, &zeros, &zeros)
-        };
-        for (c, numbers) in state[HEAD..].chunks_exact(COMPONENT).enumerate() {
-            let (i, axis) = (c / 3, c % 3);
-            whole.x[i][axis] = numbers[0];
-            whole.v[i][axis] = numbers[1];
-            whole.x_lost[c] = numbers[2];
-            whole.v_lost[c] = numbers[3];
-            whole.b_last[c].copy_from_slice(&numbers[4..11]);
-            whole.e_last[c].copy_from_slice(&numbers[11..18]);
-        }
-        Some(whole)
-    }
 }
 
 #[cfg(test)]
