@@ -133,13 +133,16 @@ impl Operator for DriftKepler {
 pub struct DriftRadau {
     /// Whether bodies are kicked from outside, so that the integrator has to take their velocities anew at each tick.
     kicked: bool,
+    /// The interval at which its results are wanted.
+    step: f64,
     kepler: DriftKepler,
 }
 
 impl DriftRadau {
-    pub fn new(kicked: bool) -> Self {
+    pub fn new(kicked: bool, step: f64) -> Self {
         Self {
             kicked,
+            step,
             kepler: DriftKepler::default(),
         }
     }
@@ -148,6 +151,13 @@ impl DriftRadau {
 impl Operator for DriftRadau {
     fn name(&self) -> &'static str {
         "drift bodies"
+    }
+
+    fn prepare(&mut self, system: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {
+        if !self.kicked && system.bodies_active() {
+            system.pace.next_span = crate::kick::span(&system.next, self.step)?;
+        }
+        Ok(())
     }
 
     fn cross(

@@ -94,7 +94,7 @@ impl Gravity {
                     None => {
                         let mut targets = [false; 3];
                         targets[target] = true;
-                        fields.push(Field::new(sources, targets, settings.clone()));
+                        fields.push(Field::new(sources, targets, *settings));
                     }
                 }
             }
@@ -291,6 +291,9 @@ impl Operator for Gravity {
         meter.enter(Phase::Gravity);
         let heavies = heavies(system);
         if system.reporting {
+            if !self.plan.bodies_in_kick && self.plan.tree.is_some() {
+                add_mutual_potentials(system);
+            }
             add_potentials(system, &self.plan, &heavies);
         }
         self.pull_fluids(system, &heavies);
@@ -301,76 +304,104 @@ impl Operator for Gravity {
     }
 }
 
-/// Adds the potentials of star and planets to those of the tree, and sums the potential energy: half of what the tree says, all of the rest.
-fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
-    let g = system.g;
-    let mut energy = 0.0;
-    let (gas, dust) = (&mut system.gas, &mut system.dust);
-    let none = Vec::new();
-    let sets: [(
-        &[Vec3],
-        &[f64],
-        &[f64],
-        Option<Softening>,
-        &[u32],
-        &mut [f64],
-    ); 3] = [
-        (
-            &gas.particles.x,
-            &gas.particles.m,
-            &gas.particles.h,
-            Some(plan.gas),
-            &none,
-            &mut gas.rates.potential,
-        ),
-        (
-            &dust.particles.x,
-            &dust.particles.m,
-            &dust.particles.h,
-            Some(plan.dust),
-            &none,
-            &mut dust.rates.potential,
-        ),
-        (
-            &system.seen.x,
-            &system.bodies.m,
-            &system.bodies.softening,
-            None,
-            &system.bodies.kind,
-            &mut system.bodies.potential,
-        ),
-    ];
-    for (x, m, h, softening, kind, potential) in sets {
-        energy += 0.5
-            * sum::ordered(x.len(), 0.0, |range| {
-                range.fold(0.0, |sum, i| sum + m[i] * potential[i])
-            });
+/// The planetesimals' potentials by each other, for integrators that do their forces themselves.
+fn add_mutual_potentials(system: &mut System) {
+    let (bodies, x, g) = (&mut system.bodies, &system.seen.x, system.g);
+    let small = |i: usize| bodies.kind[i] != Kind::Planet as u32;
+    let softening = &bodies.softening;
+    let phi = |i: usize| -> f64 {
+        let others = (0..x.len()).filter(|&j| j != i && small(j));
+        others
+            .map(|j| {
+                -bodies.m[j]
+                    / ((x[j] - x[i]).norm_squared() + softening[i].powi(2) + softening[j].powi(2))
+                        .sqrt()
+            })
+            .sum()
+    };
+    let added: Vec<f64> = (0..x.len())
+        .into_par_iter()
+        .map(|i| if small(i) { g * phi(i) } else { 0.0 })
+        .collect();
+    for (potential, more) in bodies.potential.iter_mut().zip(added) {
+        *potential += more;
+    }
+}
+
+/// A population as the sum of potentials sees it.
+struct Members<'a> {
+    x: &'a [Vec3],
+    m: &'a [f64],
+    softening: Vec<f64>,
+    potential: &'a mut [f64],
+    /// Places of planets: they have their own sum.
+    planets: Vec<usize>,
+}
+
+impl Members<'_> {
+    /// Adds the potentials of `heavies`; returns the potential energy: half of what stood there before, all of what is added.
+    fn add(&mut self, heavies: &[Heavy], g: f64) -> f64 {
+        let Self {
+            x,
+            m,
+            softening,
+            potential,
+            planets,
+        } = self;
+        let halves = sum::ordered(x.len(), 0.0, |range| {
+            range.fold(0.0, |sum, i| sum + m[i] * potential[i])
+        });
         let added: Vec<f64> = (0..x.len())
             .into_par_iter()
             .with_min_len(sum::CHUNK)
             .map(|i| {
-                let own = softening.map_or(h[i], |s| s.of(h[i]));
-                let planet = kind.get(i).is_some_and(|&k| k == Kind::Planet as u32);
+                let planet = planets.contains(&i);
                 let others = heavies
                     .iter()
                     .filter(|heavy| heavy.star || !planet || heavy.place != i);
-                others.map(|heavy| g * heavy.pull(x[i], own).1).sum()
+                others
+                    .map(|heavy| g * heavy.pull(x[i], softening[i]).1)
+                    .sum()
             })
             .collect();
-        let pair = |i: usize| {
-            if kind.get(i).is_some_and(|&k| k == Kind::Planet as u32) {
-                0.0
-            } else {
-                m[i]
-            }
-        };
-        energy += sum::ordered(x.len(), 0.0, |range| {
-            range.fold(0.0, |sum, i| sum + pair(i) * added[i])
+        let whole = sum::ordered(x.len(), 0.0, |range| {
+            range.fold(0.0, |sum, i| sum + m[i] * added[i])
         });
+        let double: f64 = planets.iter().map(|&i| m[i] * added[i]).sum();
         for (phi, more) in potential.iter_mut().zip(added) {
             *phi += more;
         }
+        0.5 * halves + whole - double
     }
+}
+
+/// Adds the potentials of star and planets to those of the tree, and sums the potential energy.
+fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
+    let g = system.g;
+    let (gas, dust, bodies) = (&mut system.gas, &mut system.dust, &mut system.bodies);
+    let soft = |softening: Softening, h: &[f64]| h.iter().map(|&h| softening.of(h)).collect();
+    let fluid = |x, m, h, softening, potential| Members {
+        x,
+        m,
+        softening: soft(softening, h),
+        potential,
+        planets: Vec::new(),
+    };
+    let (p, d) = (&gas.particles, &dust.particles);
+    let mut energy = fluid(&p.x, &p.m, &p.h, plan.gas, &mut gas.rates.potential).add(heavies, g);
+    energy += fluid(&d.x, &d.m, &d.h, plan.dust, &mut dust.rates.potential).add(heavies, g);
+    let planets = (0..bodies.x.len())
+        .filter(|&i| bodies.kind[i] == Kind::Planet as u32)
+        .collect();
+    let softening = bodies.softening.clone();
+    energy += Members {
+        x: &system.seen.x,
+        m: &bodies.m,
+        softening,
+        potential: &mut bodies.potential,
+        planets,
+    }
+    .add(heavies, g);
     for (k, heavy) in heavies.iter().enumerate() {
         for other in &heavies[..k] {
             let softening = if heavy.star || other.star {

@@ -4,6 +4,7 @@
 //! give to gas and dust they receive in turn at once, if they are active, or at their next tick.
 
 use gas::Hydro;
+use nbody::points::clock::Pacing;
 use nbody::points::{Clock, Fault, Vec3, sum};
 
 use crate::System;
@@ -123,8 +124,29 @@ fn receive(
 pub struct KickGas {
     pub hydro: Hydro,
     pub reaction: Reaction,
-    /// The longest step.
+    pub pacing: Steps,
+}
+
+/// How long steps of gas and dust may be, whatever the particle's own criteria say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
     pub longest: f64,
+    /// Part of 1/Omega about the star.
+    pub orbit: f64,
+}
+
+impl Steps {
+    fn of(self, system: &System) -> Pacing {
+        match system.seen.star_x.first() {
+            Some(&centre) => Pacing {
+                longest: self.longest,
+                centre,
+                gm: system.g * system.star.m[0],
+                orbit: self.orbit,
+            },
+            None => Pacing::free(self.longest),
+        }
+    }
 }
 
 impl KickGas {
@@ -158,9 +180,12 @@ impl Operator for KickGas {
             // The first step's choice of a step needs accelerations; the weights of closing are still zero.
             system.gas.forces(&self.hydro, &system.clock, &system.clock);
         }
-        system
-            .gas
-            .steps(&self.hydro, &system.clock, &system.next, self.longest)?;
+        system.gas.steps(
+            &self.hydro,
+            &system.clock,
+            &system.next,
+            &self.pacing.of(system),
+        )?;
         let targets = system.gas.forces(&self.hydro, &system.clock, &system.next);
         meter.count(targets, 0);
         Ok(())
@@ -187,7 +212,9 @@ impl Operator for KickGas {
 
 /// Kicks of the dust.
 pub struct KickDust {
-    pub pacing: dust::motion::Pacing,
+    pub pacing: Steps,
+    /// Part of the time in which gravity, but for the star's, moves a grain by a smoothing length.
+    pub force: f64,
     pub reaction: Reaction,
 }
 
@@ -218,15 +245,10 @@ impl Operator for KickDust {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Dust);
-        let centre = system
-            .seen
-            .star_x
-            .first()
-            .copied()
-            .unwrap_or_else(Vec3::zeros);
+        let pacing = self.pacing.of(system);
         system
             .dust
-            .steps(&self.pacing, centre, &system.clock, &system.next)?;
+            .steps(&pacing, self.force, &system.clock, &system.next)?;
         Ok(())
     }
 
@@ -306,7 +328,8 @@ impl Operator for KickBodies {
     }
 }
 
-fn span(next: &Clock, step: f64) -> Result<u32, Fault> {
+/// The span in ticks of a bodies' step of at most `step`.
+pub(crate) fn span(next: &Clock, step: f64) -> Result<u32, Fault> {
     next.span(step).ok_or(Fault::StepTooSmall {
         population: nbody::points::Population::Planetesimals,
         id: 0,

@@ -31,9 +31,24 @@ impl Totals {
             angular_momentum,
             kinetic: 0.5 * v.dot(&momentum),
             internal: m * u,
-            momentum_scale: momentum.norm(),
-            angular_scale: angular_momentum.norm(),
+            ..Self::default()
         }
+    }
+
+    /// The sum with the scales, which take longer.
+    fn scaled(m: &[f64], x: &[Vec3], v: &[Vec3], u: &[f64]) -> Self {
+        let scales = sum::ordered(m.len(), Self::default(), |range| {
+            range.fold(Self::default(), |total, i| {
+                let momentum = m[i] * v[i];
+                total
+                    + Self {
+                        momentum_scale: momentum.norm(),
+                        angular_scale: x[i].cross(&momentum).norm(),
+                        ..Self::default()
+                    }
+            })
+        });
+        Self::over(m, x, v, u) + scales
     }
 
     fn over(m: &[f64], x: &[Vec3], v: &[Vec3], u: &[f64]) -> Self {
@@ -42,10 +57,6 @@ impl Totals {
                 total + Self::of_one(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0))
             })
         })
-    }
-
-    fn bodies(b: &Bodies) -> Self {
-        Self::over(&b.m, &b.x, &b.v, &[])
     }
 }
 
@@ -96,15 +107,24 @@ impl Census {
     /// Names of the populations, in order.
     pub const NAMES: [&'static str; 4] = ["gas", "dust", "planetesimals", "star"];
 
-    /// Counts the system as it stands. Impulses that bodies have yet to receive count as theirs.
+    /// Counts the system as it stands, without the scales. Impulses that bodies have yet to receive count as theirs.
     pub fn of(system: &System) -> Self {
-        let gas = &system.gas.particles;
-        let dust = &system.dust.particles;
+        Self::by(system, Totals::over)
+    }
+
+    /// The same with the scales that errors are relative to.
+    pub fn scaled(system: &System) -> Self {
+        Self::by(system, Totals::scaled)
+    }
+
+    fn by(system: &System, totals: impl Fn(&[f64], &[Vec3], &[Vec3], &[f64]) -> Totals) -> Self {
+        let (gas, dust) = (&system.gas.particles, &system.dust.particles);
+        let bodies = |b: &Bodies| totals(&b.m, &b.x, &b.v, &[]);
         let mut totals = [
-            Totals::over(&gas.m, &gas.x, &gas.v, &gas.u),
-            Totals::over(&dust.m, &dust.x, &dust.v, &[]),
-            Totals::bodies(&system.bodies),
-            Totals::bodies(&system.star),
+            totals(&gas.m, &gas.x, &gas.v, &gas.u),
+            totals(&dust.m, &dust.x, &dust.v, &[]),
+            bodies(&system.bodies),
+            bodies(&system.star),
         ];
         for (k, bodies, pending) in [
             (2, &system.bodies, &system.pending_bodies),

@@ -130,6 +130,9 @@ pub struct System {
     pub gas: Gas,
     pub dust: Dust,
     pub ledger: Ledger,
+    /// The longest base step, and the step of star and bodies: chosen at the start of a run and kept.
+    pub longest: f64,
+    pub bodies_step: f64,
     /// What an integrator of bodies remembers between steps; empty for those that remember nothing.
     pub memory: Vec<f64>,
     /// Whether potentials are wanted at this tick.
@@ -159,6 +162,8 @@ impl System {
             gas: Gas::default(),
             dust: Dust::default(),
             ledger: Ledger::default(),
+            longest: f64::INFINITY,
+            bodies_step: f64::INFINITY,
             memory: Vec::new(),
             reporting: false,
             events: Vec::new(),

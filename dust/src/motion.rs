@@ -1,41 +1,21 @@
 //! The motion of superparticles: kicks by gravity at both ends of a step, straight drifts between.
 //!
-//! Step: dt = min( C sqrt(h / |g|), D sqrt(r / |g|) ), with h the smoothing length of the gas around (absent without gas) and r the distance to
-//! the star. The first is the gas's own criterion, so that grains and gas make the same errors of integration and drift apart by
-//! drag alone.
+//! Step: dt = min( C sqrt(h / |g - g_star|), D / Omega ), with h the smoothing length of the gas around (absent without gas) and Omega the
+//! orbital frequency about the star: the gas's own criteria, so that grains and gas make the same errors of integration and drift
+//! apart by drag alone.
 
-use nbody::points::{Clock, Domain, Fault, Population, Vec3, clock};
+use nbody::points::clock::Pacing;
+use nbody::points::{Clock, Domain, Fault, Population, clock};
 use rayon::prelude::*;
 
 use crate::Dust;
-
-/// How steps are chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pacing {
-    /// C: part of the time in which gravity moves a grain by a smoothing length.
-    pub force: f64,
-    /// Part of the orbital time 1/Omega about the star.
-    pub orbit: f64,
-    /// The longest step.
-    pub longest: f64,
-}
-
-impl Default for Pacing {
-    fn default() -> Self {
-        Self {
-            force: 0.25,
-            orbit: 0.05,
-            longest: f64::INFINITY,
-        }
-    }
-}
 
 impl Dust {
     /// Chooses the steps that begin now.
     pub fn steps(
         &mut self,
         pacing: &Pacing,
-        centre: Vec3,
+        force: f64,
         now: &Clock,
         next: &Clock,
     ) -> Result<(), Fault> {
@@ -51,16 +31,14 @@ impl Dust {
                 if !(now.synchronous() || particles.end[i] == now.tick) {
                     return None;
                 }
-                let g = gravity[i].norm();
-                let near = if particles.h[i] > 0.0 {
-                    pacing.force * (particles.h[i] / g).sqrt()
+                let (x, h) = (particles.x[i], particles.h[i]);
+                let pull = (gravity[i] - pacing.central(x)).norm();
+                let near = if h > 0.0 {
+                    force * (h / pull).sqrt()
                 } else {
                     f64::INFINITY
                 };
-                let orbit = pacing.orbit * ((particles.x[i] - centre).norm() / g).sqrt();
-                // Without gravity both are infinite, or 0/0 at the centre itself.
-                let dt = near.min(orbit).min(pacing.longest);
-                let dt = if dt.is_nan() { pacing.longest } else { dt };
+                let dt = near.min(pacing.limit(x));
                 match next.span(dt) {
                     Some(span) => {
                         *next_span = span;
@@ -126,7 +104,7 @@ impl Dust {
 
 #[cfg(test)]
 mod tests {
-    use nbody::points::Columns;
+    use nbody::points::{Columns, Vec3};
 
     use super::*;
     use crate::Superparticles;
@@ -141,8 +119,10 @@ mod tests {
             p.v[0] = Vec3::new(0.0, (1.3f64 / 0.7).sqrt(), 0.0);
             let mut dust = Dust::new(p);
             let pacing = Pacing {
+                longest: f64::INFINITY,
+                centre: Vec3::zeros(),
+                gm: 1.0,
                 orbit,
-                ..Pacing::default()
             };
             let mut now = Clock::standing(0.0);
             let period = std::f64::consts::TAU;
@@ -158,8 +138,7 @@ mod tests {
                 } else {
                     now
                 };
-                dust.steps(&pacing, Vec3::zeros(), &now, &next)
-                    .expect("a step");
+                dust.steps(&pacing, 0.25, &now, &next).expect("a step");
                 dust.close(&now);
                 dust.open(&now, &next);
                 now = next;

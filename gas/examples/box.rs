@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use gas::{Eos, Gas, Hydro, KernelKind, Particles};
+use nbody::points::clock::Pacing;
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
 use rand::RngExt;
@@ -53,7 +54,8 @@ fn main() {
                 .expect("a density")
         });
         timed(1, &mut || {
-            gas.steps(&hydro, &clock, &next, base).expect("a step");
+            gas.steps(&hydro, &clock, &next, &Pacing::free(base))
+                .expect("a step");
         });
         timed(2, &mut || {
             gas.forces(&hydro, &clock, &next);

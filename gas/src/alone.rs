@@ -1,5 +1,6 @@
 //! Gas alone on the clock: the order of a step without any other population or gravity.
 
+use nbody::points::clock::Pacing;
 use nbody::points::{Clock, Fault, Vec3, clock};
 
 use crate::{Gas, Heat, Hydro};
@@ -36,7 +37,7 @@ pub fn advance(
             false => clock,
         };
         let updates = gas.density(hydro, &clock, Vec3::zeros())?;
-        gas.steps(hydro, &clock, &next, f64::INFINITY)?;
+        gas.steps(hydro, &clock, &next, &Pacing::free(f64::INFINITY))?;
         let targets = gas.forces(hydro, &clock, &next);
         account.heat = account.heat.and(gas.close(hydro, &clock));
         if last {

@@ -1,10 +1,12 @@
 //! Time steps of the gas: how long they are, and the kicks and drifts that they are made of.
 //!
-//! dt <= 2 C h / v_sig,   dt <= C_f sqrt(h / |hydro + gravity|),   dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009)
+//! dt <= 2 C h / v_sig,   dt <= C_f sqrt(h / |hydro + gravity - a_star|),   dt <= C_o / Omega about the star,
+//! dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009)
 //!
 //! At a tick: `density`, `steps`, `forces`, `close`, `open`; then `drift` to the next tick and `refit`. A closed synchronous step has x, v
 //! and u at one time. Pair impulses also reach particles in mid-step; gravity of a particle is kicked at its own ends. Second order.
 
+use nbody::points::clock::Pacing;
 use nbody::points::sum::CHUNK;
 use nbody::points::{Clock, Domain, Fault, Population, clock};
 use rayon::prelude::*;
@@ -37,13 +39,13 @@ impl Heat {
 }
 
 impl Gas {
-    /// Chooses the steps that begin now, in ticks of `next`, none longer than the time `longest`; returns the shortest.
+    /// Chooses the steps that begin now, in ticks of `next`; returns the shortest.
     pub fn steps(
         &mut self,
         hydro: &Hydro,
         clock: &Clock,
         next: &Clock,
-        longest: f64,
+        pacing: &Pacing,
     ) -> Result<u32, Fault> {
         let mut next_span = std::mem::take(&mut self.rates.next_span);
         next_span
@@ -52,7 +54,7 @@ impl Gas {
             .with_min_len(CHUNK)
             .for_each(|(i, span)| {
                 *span = if self.active(clock, i) {
-                    let dt = shorter(self.wanted_step(hydro, clock, i), longest);
+                    let dt = self.wanted_step(hydro, clock, pacing, i);
                     next.span(dt).unwrap_or(0)
                 } else {
                     self.particles.span[i]
@@ -63,7 +65,7 @@ impl Gas {
             Some(i) => Err(Fault::StepTooSmall {
                 population: Population::Gas,
                 id: self.particles.id[i],
-                step: shorter(self.wanted_step(hydro, clock, i), longest),
+                step: self.wanted_step(hydro, clock, pacing, i),
                 shortest: next.unit(),
                 time: clock.time(),
             }),
@@ -78,10 +80,12 @@ impl Gas {
     }
 
     /// The time that the next step of particle i may last; not a number if its state is none.
-    pub fn wanted_step(&self, hydro: &Hydro, clock: &Clock, i: usize) -> f64 {
+    pub fn wanted_step(&self, hydro: &Hydro, clock: &Clock, pacing: &Pacing, i: usize) -> f64 {
+        let x = self.particles.x[i];
         let (h, near) = (self.particles.h[i], self.derived.near_span[i]);
         let courant = 2.0 * hydro.courant * h / self.derived.v_sig[i];
-        let force = hydro.force_factor * (h / self.acceleration(i).norm()).sqrt();
+        let force =
+            hydro.force_factor * (h / (self.acceleration(i) - pacing.central(x)).norm()).sqrt();
         if courant.is_nan() || force.is_nan() {
             return f64::NAN;
         }
@@ -90,7 +94,7 @@ impl Gas {
         } else {
             4.0 * f64::from(near) * clock.unit()
         };
-        courant.min(force).min(limiter)
+        courant.min(force).min(limiter).min(pacing.limit(x))
     }
 
     /// Whether the step of particle i ends now.
@@ -215,11 +219,6 @@ impl Gas {
         self.particles.span.fill(0);
         self.particles.end.fill(0);
     }
-}
-
-/// The lesser of a step and its limit; not a number if the step is none.
-fn shorter(step: f64, limit: f64) -> f64 {
-    if step > limit { limit } else { step }
 }
 
 #[cfg(test)]

@@ -6,20 +6,18 @@ use coupling::accretion::{Accretion, Mergers};
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftRadau, DriftStraight};
 use coupling::gravity::{Gravity, Plan, Softening};
-use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction};
+use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::{Operator, Splitting, System};
-use dust::motion::Pacing;
 use nbody::gravity as solver;
 use nbody::points::Columns;
 
 use crate::populate;
 use crate::scene::{self, Collisions, Integrator, Mass, Scene, TimeStep};
 
-/// A system, its operators, and the longest base step.
+/// A system and its operators.
 pub struct Assembly {
     pub system: System,
     pub splitting: Splitting,
-    pub longest: f64,
     /// Sentences for the log: choices that were made for the user.
     pub remarks: Vec<String>,
 }
@@ -37,19 +35,46 @@ pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
     let mut remarks = Vec::new();
     let integrator = integrator(scene, &system, &mut remarks);
     system.star_in_kick = integrator == Integrator::Leapfrog;
-    let step = bodies_step(scene, &system, integrator);
-    let longest = match scene.run.time_step {
+    if system.clock.step == 0 {
+        system.bodies_step = bodies_step(scene, &system, integrator);
+        system.longest = match scene.run.time_step {
+            TimeStep::Fixed(dt) => dt,
+            TimeStep::Auto if system.gas.is_empty() && system.dust.is_empty() => system.bodies_step,
+            TimeStep::Auto => typical_step(scene, &system),
+        };
+    }
+    let fixed = match scene.run.time_step {
         TimeStep::Fixed(dt) => dt,
-        TimeStep::Auto if system.gas.is_empty() && system.dust.is_empty() => step,
         TimeStep::Auto => f64::INFINITY,
     };
-    let splitting = Splitting::new(operators(scene, &system, integrator, step, longest));
+    let splitting = Splitting::new(operators(scene, &system, integrator, fixed));
     Assembly {
         system,
         splitting,
-        longest,
         remarks,
     }
+}
+
+/// The step that the middle one of all fluid particles wants by its orbit about the star: longer base steps would only let the order of
+/// particles in memory grow stale.
+fn typical_step(scene: &Scene, system: &System) -> f64 {
+    let (Some(&centre), Some(&mass)) = (system.star.x.first(), system.star.m.first()) else {
+        return f64::INFINITY;
+    };
+    let mut radii: Vec<f64> = system
+        .gas
+        .particles
+        .x
+        .iter()
+        .chain(&system.dust.particles.x)
+        .map(|x| (x - centre).norm())
+        .collect();
+    if radii.is_empty() || mass == 0.0 {
+        return f64::INFINITY;
+    }
+    let middle = radii.len() / 2;
+    let (_, radius, _) = radii.select_nth_unstable_by(middle, f64::total_cmp);
+    scene.accuracy.orbit_step * (radius.powi(3) / (system.g * mass)).sqrt()
 }
 
 /// The integrator that the scene names, or the one that suits it.
@@ -64,7 +89,7 @@ fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Inte
     let few = system.bodies.len() <= 16 && system.gas.is_empty() && system.dust.is_empty();
     let (choice, reason) = if !system.star.is_empty() {
         (Integrator::WisdomHolman, "a star dominates")
-    } else if few {
+    } else if few && (system.clock.step == 0 || !system.memory.is_empty()) {
         (
             Integrator::GaussRadau,
             "there is no star and there are few bodies",
@@ -117,14 +142,14 @@ fn softening(of: scene::Softening) -> Softening {
     }
 }
 
-/// The operators that the scene requires, in the order of the first half of a step.
+/// The operators that the scene requires, in the order of the first half of a step; no fluid's step is longer than `longest`.
 fn operators(
     scene: &Scene,
     system: &System,
     integrator: Integrator,
-    step: f64,
     longest: f64,
 ) -> Vec<Box<dyn Operator>> {
+    let step = system.bodies_step;
     let (gas, dust) = (!system.gas.is_empty(), !system.dust.is_empty());
     let bodies = !system.bodies.is_empty() || !system.star.is_empty();
     let moving = bodies && (gas || dust || !system.bodies.is_empty());
@@ -134,7 +159,7 @@ fn operators(
         list.push(Box::new(Density { hydro }));
     }
     let plan = plan(scene, integrator);
-    if (plan.tree.is_some() || bodies) && !(integrator == Integrator::GaussRadau && !gas && !dust) {
+    if plan.tree.is_some() || bodies {
         list.push(Box::new(Gravity::new(plan.clone())));
     }
     if let (true, true, Some(d), Some(hydro)) =
@@ -171,14 +196,15 @@ fn operators(
         ],
         softening,
     };
+    let pacing = Steps {
+        longest,
+        orbit: scene.accuracy.orbit_step,
+    };
     if dust {
-        let pacing = Pacing {
-            force: scene.accuracy.acceleration_step,
-            orbit: 0.5 * scene.accuracy.orbit_step,
-            longest,
-        };
+        let force = scene.accuracy.acceleration_step;
         list.push(Box::new(KickDust {
             pacing,
+            force,
             reaction: reaction(Mass::Dust, plan.dust),
         }));
     }
@@ -186,7 +212,7 @@ fn operators(
         list.push(Box::new(KickGas {
             hydro,
             reaction: reaction(Mass::Gas, plan.gas),
-            longest,
+            pacing,
         }));
         list.push(Box::new(DriftGas));
     }
@@ -197,7 +223,7 @@ fn operators(
         list.push(match integrator {
             Integrator::WisdomHolman | Integrator::Auto => Box::new(DriftKepler::default()),
             Integrator::Leapfrog => Box::new(DriftStraight),
-            Integrator::GaussRadau => Box::new(DriftRadau::new(gas || dust)),
+            Integrator::GaussRadau => Box::new(DriftRadau::new(gas || dust, step)),
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {

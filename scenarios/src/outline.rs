@@ -19,7 +19,6 @@ pub fn outline(scene: &Scene) -> Result<String, RunError> {
     let Assembly {
         mut system,
         mut splitting,
-        longest,
         remarks,
     } = assemble::assembly(scene, system);
     let mut text = format!("{}\n\nmodelled:\n{populations}", scene.title);
@@ -41,7 +40,7 @@ pub fn outline(scene: &Scene) -> Result<String, RunError> {
         bytes(&system) as f64 / 1e6
     ));
     let began = Instant::now();
-    let end = scene.run.end_time;
+    let (end, longest) = (scene.run.end_time, system.longest);
     splitting.close(&mut system, end, longest, &mut Unmetered)?;
     let seconds = began.elapsed().as_secs_f64();
     let base = system.next.end - system.next.start;

@@ -101,7 +101,6 @@ struct Run {
     scene: Scene,
     system: System,
     splitting: Splitting,
-    longest: f64,
     schedule: Schedule,
     folder: Folder,
     watch: Stopwatch,
@@ -127,7 +126,6 @@ impl Run {
         let Assembly {
             system,
             splitting,
-            longest,
             remarks,
         } = assemble::assembly(&scene, system);
         let progress = Progress::new(system.clock.time(), end, scene.units, options.quiet);
@@ -136,7 +134,6 @@ impl Run {
             scene,
             system,
             splitting,
-            longest,
             schedule,
             folder,
             watch,
@@ -171,9 +168,9 @@ impl Run {
             // Reports lie on the schedule's own times, which base steps end at exactly.
             self.system.reporting =
                 synchronous && (snapshot.is_some() || self.schedule.reports(now));
-            let until = self.schedule.after(now);
+            let (until, longest) = (self.schedule.after(now), self.system.longest);
             self.splitting
-                .close(&mut self.system, until, self.longest, &mut self.watch)?;
+                .close(&mut self.system, until, longest, &mut self.watch)?;
             if self.system.reporting {
                 self.report(now, snapshot)?;
             }
@@ -190,7 +187,7 @@ impl Run {
         self.watch.enter(Phase::Output);
         self.watch.count(0, 0);
         output::finite(&self.system, now)?;
-        let census = Census::of(&self.system);
+        let census = Census::scaled(&self.system);
         if now == self.schedule.start {
             let potential = self.system.potential;
             self.system.ledger.open(census, potential);
@@ -218,6 +215,7 @@ impl Run {
             &self.watch,
             self.folder.rows()?,
         )?;
+        self.folder.timings(&self.watch, self.system.clock.step)?;
         self.saved = Instant::now();
         Ok(())
     }

@@ -8,8 +8,55 @@
 //! A pair of particles steps with the shorter of its two steps. The pair opens at the later `begin` of the two and closes when the
 //! first of the two is active; at its opening it gets half its planned step as weight, at its closing the rest of the elapsed time.
 
+use super::Vec3;
+
 /// Ticks a base step.
 pub const TICKS: u32 = 1 << 30;
+
+/// What limits the steps of all fluids alike: the longest step, and a part of the orbital time 1/Omega about a central mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pacing {
+    /// The longest step.
+    pub longest: f64,
+    /// Where the central mass is.
+    pub centre: Vec3,
+    /// G times the central mass; zero without one.
+    pub gm: f64,
+    /// Part of 1/Omega that a step may last.
+    pub orbit: f64,
+}
+
+impl Pacing {
+    /// Steps of at most `longest`, without a central mass.
+    pub fn free(longest: f64) -> Self {
+        Self {
+            longest,
+            centre: Vec3::zeros(),
+            gm: 0.0,
+            orbit: f64::INFINITY,
+        }
+    }
+
+    /// The pull of the central mass at `x`, which the orbital time already accounts for.
+    pub fn central(&self, x: Vec3) -> Vec3 {
+        let r = self.centre - x;
+        if self.gm > 0.0 {
+            r * (self.gm / r.norm().powi(3))
+        } else {
+            Vec3::zeros()
+        }
+    }
+
+    /// The longest step at `x`.
+    pub fn limit(&self, x: Vec3) -> f64 {
+        if self.gm > 0.0 {
+            self.longest
+                .min(self.orbit * ((x - self.centre).norm().powi(3) / self.gm).sqrt())
+        } else {
+            self.longest
+        }
+    }
+}
 
 /// The clock of a run, code units of time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -43,7 +43,15 @@ pub fn write(
         .set("bodies", &system.bodies)
         .set("star", &system.star);
     let clock = &system.clock;
-    draft.fact("clock", Fact::Reals(vec![clock.start, clock.end]));
+    draft.fact(
+        "clock",
+        Fact::Reals(vec![
+            clock.start,
+            clock.end,
+            system.longest,
+            system.bodies_step,
+        ]),
+    );
     let pace = system.pace;
     draft.fact(
         "ticks",
@@ -131,6 +139,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         end: tick(3),
         next_span: tick(4),
     };
+    (system.longest, system.bodies_step) = (clock[2], clock[3]);
     system.look();
     system.pending_star = vectors(&file.reals("pending star")?);
     system.pending_bodies = vectors(&file.reals("pending bodies")?);
