@@ -96,7 +96,15 @@ fn twenty_kills_leave_whole_files_and_the_same_end() {
     }
     ended_well(child);
     let ledger = |folder: &Path| fs::read_to_string(folder.join("ledger.csv")).expect("a ledger");
-    assert_eq!(ledger(&calm), ledger(&rough));
+    let (calm_ledger, rough_ledger) = (ledger(&calm), ledger(&rough));
+    let parting = calm_ledger
+        .lines()
+        .zip(rough_ledger.lines())
+        .position(|(a, b)| a != b);
+    assert!(
+        calm_ledger == rough_ledger,
+        "the ledgers part in line {parting:?}"
+    );
     for k in 0.. {
         let name = format!("snapshot_{k:04}.hdf5");
         if !calm.join(&name).is_file() {
@@ -106,7 +114,7 @@ fn twenty_kills_leave_whole_files_and_the_same_end() {
         let of = |folder: &Path| {
             snapshot::read(&folder.join(&name), None).unwrap_or_else(|error| panic!("{error}"))
         };
-        assert_eq!(of(&calm).groups, of(&rough).groups, "{name}");
+        assert!(of(&calm).groups == of(&rough).groups, "{name} differs");
     }
 }
 

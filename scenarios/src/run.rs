@@ -117,17 +117,24 @@ impl Run {
         options: &Options,
     ) -> Self {
         let end = options.end_time.unwrap_or(scene.run.end_time);
-        let schedule = Schedule {
-            start: 0.0,
-            end,
-            snapshots: scene.run.snapshots.clone(),
-            report: scene.run.end_time / REPORTS,
-        };
         let Assembly {
             system,
             splitting,
             remarks,
         } = assemble::assembly(&scene, system);
+        // Reports come after whole base steps, so that they do not cut them.
+        let (report, base) = (scene.run.end_time / REPORTS, system.longest);
+        let report = if base.is_finite() {
+            (report / base - 1e-9).ceil().max(1.0) * base
+        } else {
+            report
+        };
+        let schedule = Schedule {
+            start: 0.0,
+            end,
+            snapshots: scene.run.snapshots.clone(),
+            report,
+        };
         let progress = Progress::new(system.clock.time(), end, scene.units, options.quiet);
         remarks.iter().for_each(|remark| progress.say(remark));
         Self {
@@ -196,8 +203,8 @@ impl Run {
             self.system
                 .ledger
                 .report(now, census, self.system.potential, &self.system.domain);
-        let events = std::mem::take(&mut self.system.events);
-        self.folder.report(&row, &events)?;
+        self.folder.events(&mut self.system.events)?;
+        self.folder.report(&row)?;
         output::conserved(&row, &self.system.domain)?;
         if let Some(number) = snapshot {
             self.folder
@@ -209,6 +216,7 @@ impl Run {
     fn checkpoint(&mut self) -> Result<(), RunError> {
         self.watch.enter(Phase::Output);
         self.watch.stop();
+        self.folder.events(&mut self.system.events)?;
         saved::write(
             &self.folder.path("checkpoint.hdf5"),
             &self.system,

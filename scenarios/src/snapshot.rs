@@ -15,7 +15,7 @@ use crate::hdf::{
     FileError, Result, length, write_column, write_number, write_numbers, write_text,
 };
 use crate::scene::{Eos, Kernel, Scene};
-use crate::units::{System, Units};
+use crate::units::Units;
 
 /// Types of particles that SWIFT's header counts.
 const TYPES: usize = 7;
@@ -141,13 +141,7 @@ fn units(group: &Folder, units: &Units) -> Result<()> {
     write_number(group, "Unit mass in cgs (U_M)", units.mass)?;
     write_number(group, "Unit time in cgs (U_t)", units.time)?;
     write_number(group, "Unit temperature in cgs (U_T)", 1.0)?;
-    write_number(group, "Unit current in cgs (U_I)", 1.0)?;
-    let system = match units.system {
-        System::Astronomical => "astronomical",
-        System::Dimensionless => "dimensionless",
-        System::Cgs => "cgs",
-    };
-    write_text(group, "System", system)
+    write_number(group, "Unit current in cgs (U_I)", 1.0)
 }
 
 /// The groups that readers of SWIFT's files expect, and the scene as text.
@@ -165,6 +159,7 @@ fn circumstances(file: &File, scene: &Scene) -> Result<()> {
         "InitialConditions:periodic",
         if periodic { "1" } else { "0" },
     )?;
+    write_text(&parameters, "UnitSystem", scene.units.system.name())?;
     write_text(&parameters, "Scene", &scene.to_toml())?;
     let subgrid = file.create_group("SubgridScheme")?;
     write_text(&subgrid, "Chemistry model", "none")?;

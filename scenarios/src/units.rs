@@ -25,6 +25,17 @@ pub enum System {
     Cgs,
 }
 
+impl System {
+    /// The word that scenes and files know it by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Astronomical => "astronomical",
+            Self::Dimensionless => "dimensionless",
+            Self::Cgs => "cgs",
+        }
+    }
+}
+
 /// Code units in cgs; all one for dimensionless scenes. The unit of temperature is the kelvin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {

@@ -62,11 +62,10 @@ def swarm(seed, n=1000, mass=2e-8):
     rng = np.random.default_rng(seed)
     sim = rebound.Simulation()
     sim.add(m=1.0)
-    star = sim.particles[0]
     for _ in range(n):
         angles = rng.random(3) * 2 * np.pi
         sim.add(m=mass, a=rng.uniform(0.95, 1.05), e=rng.rayleigh(1e-3), inc=rng.rayleigh(5e-4), Omega=angles[0],
-                omega=angles[1], M=angles[2], primary=star)
+                omega=angles[1], M=angles[2], primary=sim.particles[0])
     sim.move_to_com()
     return sim
 

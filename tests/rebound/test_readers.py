@@ -66,8 +66,8 @@ def test_yt_opens_all_particles_with_the_right_units(snapshot):
     ds = tridisk.yt_load(snapshot)
     gas = tridisk.read(snapshot, "gas")
     data = ds.all_data()
-    assert len(data["PartType0", "Masses"]) == len(gas["Masses"])
-    total = float(data["PartType0", "Masses"].sum().to("g"))
+    assert len(data["PartType0", "Mass"]) == len(gas["Masses"])
+    total = float(data["PartType0", "Mass"].sum().to("g"))
     assert abs(total / (gas["Masses"].sum() * MSUN) - 1) < 1e-3
     x = np.sort(np.asarray(data["PartType0", "Coordinates"].to("cm"))[:, 0])
     np.testing.assert_allclose(x, np.sort(gas["Coordinates"][:, 0]) * AU, rtol=1e-4)

@@ -114,10 +114,15 @@ def yt_load(snapshot):
             if group in f:
                 x = f[group]["Coordinates"][:]
                 lo, hi = np.minimum(lo, x.min(0)), np.maximum(hi, x.max(0))
-    margin = 1e-3 * (hi - lo).max()
-    if (lo >= 0).all() and (hi <= size).all():
-        return yt.load(str(snapshot))
-    return yt.load(str(snapshot), bounding_box=[[a - margin, b + margin] for a, b in zip(lo, hi)])
+    ds = yt.load(str(snapshot))
+    if (lo < 0).any() or (hi > size).any():
+        # Before anything has been read: the box that yt looks in, in the file's units.
+        margin = 1e-3 * (hi - lo).max()
+        ds.domain_left_edge = ds.arr(lo - margin, "code_length")
+        ds.domain_right_edge = ds.arr(hi + margin, "code_length")
+        ds.domain_width = ds.domain_right_edge - ds.domain_left_edge
+        ds.domain_center = 0.5 * (ds.domain_left_edge + ds.domain_right_edge)
+    return ds
 
 
 def elements(x, v, mu=1.0):

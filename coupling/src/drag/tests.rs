@@ -1,3 +1,5 @@
+//! Tests of `drag`.
+
 use dust::{Dust, Superparticles};
 use gas::Particles;
 use nbody::Bodies;

@@ -1,3 +1,5 @@
+//! Tests of `stopping`.
+
 use super::*;
 
 /// Radius, material density, gas density, sound speed, speed, mean free path, stopping time: cgs; direct evaluation of the printed

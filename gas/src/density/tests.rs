@@ -1,3 +1,5 @@
+//! Tests of `density`.
+
 use nbody::points::Domain;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Tests of `forces`.
+
 use nbody::points::{Columns, Domain};
 
 use super::*;

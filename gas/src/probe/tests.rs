@@ -1,3 +1,5 @@
+//! Tests of `probe`.
+
 use nbody::points::Columns;
 
 use super::*;

@@ -1,3 +1,5 @@
+//! Tests of `timestep`.
+
 use std::f64::consts::PI;
 
 use nbody::points::Vec3;

@@ -1,3 +1,5 @@
+//! Tests of `gravity`.
+
 use super::*;
 
 fn settings(accuracy: Accuracy, method: Method) -> Settings {

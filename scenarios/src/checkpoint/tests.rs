@@ -1,3 +1,5 @@
+//! Tests of `checkpoint`.
+
 use nbody::bodies::Bodies;
 use nbody::points::Vec3;
 

@@ -58,11 +58,15 @@ impl Folder {
         Ok([self.ledger.rows(), self.events.rows()])
     }
 
-    pub fn report(&mut self, row: &Report, events: &[Event]) -> Result<(), RunError> {
-        for event in events {
-            push_event(event, &mut self.events)?;
+    pub fn report(&mut self, row: &Report) -> Result<(), RunError> {
+        Ok(ledger_row(row).push_to(&mut self.ledger)?)
+    }
+
+    /// Writes what has happened since the last call.
+    pub fn events(&mut self, events: &mut Vec<Event>) -> Result<(), RunError> {
+        for event in events.drain(..) {
+            push_event(&event, &mut self.events)?;
         }
-        ledger_row(row).push_to(&mut self.ledger)?;
         Ok(())
     }
 

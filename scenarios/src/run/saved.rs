@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use coupling::ledger::{Census, Entry, Totals};
+use coupling::system::Stray;
 use coupling::{Pace, System};
 use dust::{Dust, Superparticles};
 use gas::{Gas, Particles};
@@ -64,6 +65,10 @@ pub fn write(
     draft.fact("step", Fact::Integer(clock.step));
     draft.fact("pending star", Fact::Reals(flat(&system.pending_star)));
     draft.fact("pending bodies", Fact::Reals(flat(&system.pending_bodies)));
+    draft.fact(
+        "stray",
+        Fact::Reals(flat(&[system.stray.impulse, system.stray.torque])),
+    );
     draft.fact("integrator", Fact::Reals(system.memory.clone()));
     let ledger = &system.ledger;
     draft.fact("ledger initial", Fact::Reals(census_reals(&ledger.initial)));
@@ -143,6 +148,11 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     system.look();
     system.pending_star = vectors(&file.reals("pending star")?);
     system.pending_bodies = vectors(&file.reals("pending bodies")?);
+    let stray = vectors(&file.reals("stray")?);
+    system.stray = Stray {
+        impulse: stray[0],
+        torque: stray[1],
+    };
     system.memory = file.reals("integrator")?;
     read_ledger(&file, &mut system)?;
     let (cpu, counts) = (file.reals("cpu_s")?, file.integers("counts")?);

@@ -160,7 +160,12 @@ fn file_units(file: &File) -> Result<Option<Units>> {
         ))),
         None => Err(Trouble::Wrong(format!("Units: has no number {name}"))),
     };
-    let system = match read_text(&group, "System").as_deref() {
+    let system = match file
+        .group("Parameters")
+        .ok()
+        .and_then(|p| read_text(&p, "UnitSystem"))
+        .as_deref()
+    {
         Some("astronomical") => System::Astronomical,
         Some("dimensionless") => System::Dimensionless,
         _ => System::Cgs,

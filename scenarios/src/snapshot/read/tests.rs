@@ -1,3 +1,5 @@
+//! Tests of `read`.
+
 use std::path::PathBuf;
 
 use nbody::columns;
