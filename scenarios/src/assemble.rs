@@ -183,7 +183,7 @@ fn operators(
             scene.coupling.feedback,
         )));
     }
-    if moving && integrator != Integrator::GaussRadau || moving && (gas || dust) {
+    if moving && (integrator != Integrator::GaussRadau || gas || dust) {
         list.push(Box::new(KickBodies {
             step,
             mutual: mutual(scene),

@@ -364,29 +364,29 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
         material_density: dust.material_density,
         scale_height: dust.scale_height,
     };
-    if let (Some(amount), Some(scene_gas)) = (dust.amount, &scene.gas) {
-        if let Some(disk) = &scene_gas.disk {
-            let disk = disk_of(scene, scene_gas, disk);
-            let mass = match amount {
-                scene::DustAmount::DustToGas(ratio) => ratio * gas.m.iter().sum::<f64>(),
-                scene::DustAmount::Mass(mass) => mass,
-            };
-            let dust_disk = Disk {
-                inner_radius: dust.inner_radius,
-                outer_radius: dust.outer_radius,
-                ..disk
-            };
-            let first = ids.take(dust.particles);
-            let velocity = |x: Vec3, _| disk.rotation(x, 0.0);
-            let made = grains(dust.particles, mass).disk(
-                &dust_disk,
-                resolution(scene, scene_gas),
-                scene.run.seed,
-                first,
-                velocity,
-            );
-            append(&mut all, &made);
-        }
+    if let (Some(amount), Some(scene_gas)) = (dust.amount, &scene.gas)
+        && let Some(disk) = &scene_gas.disk
+    {
+        let disk = disk_of(scene, scene_gas, disk);
+        let mass = match amount {
+            scene::DustAmount::DustToGas(ratio) => ratio * gas.m.iter().sum::<f64>(),
+            scene::DustAmount::Mass(mass) => mass,
+        };
+        let dust_disk = Disk {
+            inner_radius: dust.inner_radius,
+            outer_radius: dust.outer_radius,
+            ..disk
+        };
+        let first = ids.take(dust.particles);
+        let velocity = |x: Vec3, _| disk.rotation(x, 0.0);
+        let made = grains(dust.particles, mass).disk(
+            &dust_disk,
+            resolution(scene, scene_gas),
+            scene.run.seed,
+            first,
+            velocity,
+        );
+        append(&mut all, &made);
     }
     for b in &dust.blocks {
         let (x, mass, first) = block(scene, b, ids, Purpose::DustPositions);
