@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up everything that tridisk needs, then does one of two things:
 #
-#   ./setup.sh run [SCENE] [OPTIONS]   builds tridisk and runs a scene (the minimum-mass disk unless one is named)
+#   ./setup.sh run [SCENE] [OPTIONS]   builds tridisk, runs a scene (the minimum-mass disk unless one is named) and draws its pictures
 #   ./setup.sh test                    builds tridisk and passes all tests
 #
 # Needs Rust (cargo), a C compiler and, for the tests, Python 3. The HDF5 library is installed with the system's package manager where it
@@ -76,7 +76,10 @@ case "${1:-}" in
     scene=scenarios/coupled/minimum-mass-disk.toml
     case "${1:-}" in *.toml) scene=$1; shift ;; esac
     cargo build --release --package tridisk
-    exec "${CARGO_TARGET_DIR:-target}/release/tridisk" run "$scene" "$@"
+    tridisk=${CARGO_TARGET_DIR:-target}/release/tridisk
+    "$tridisk" run "$scene" "$@"
+    folder=runs/$(basename "$scene" .toml)
+    case " $* " in *" --output "*) ;; *) "$tridisk" plot "$folder" ;; esac
     ;;
   test)
     need_build

@@ -1,6 +1,6 @@
 //! Accretion: what comes within the star's accretion radius becomes part of the star, and bodies that touch merge.
 //!
-//! Mass and momentum of the accreted go to the star; their angular momentum about the common centre of mass becomes spin, their kinetic
+//! Mass and momentum of the accreted go to the star; their angular momentum about it becomes spin, their kinetic
 //! energy there is booked as dissipated.
 
 use nbody::collisions;
@@ -26,7 +26,8 @@ pub struct Event {
     pub angle: f64,
 }
 
-/// Removes what lies within the star's accretion radius, at the bodies' ticks, before anything else happens there.
+/// Removes what lies within the star's accretion radius: gas and dust at every tick, bodies at theirs. The star receives mass at once,
+/// momentum at its next tick, and keeps its place.
 pub struct Accretion;
 
 impl Operator for Accretion {
@@ -36,15 +37,17 @@ impl Operator for Accretion {
 
     fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Bodies);
-        if !system.bodies_active() || system.star.x.is_empty() {
+        if system.star.x.is_empty() {
             return Ok(false);
         }
         let time = system.clock.time();
         let mut any = false;
-        for population in 0..3 {
+        // Gas and dust at every tick: inside, their steps would become ever shorter.
+        for population in 0..if system.bodies_active() { 3 } else { 2 } {
             any |= accrete(system, population, time);
         }
-        if any {
+        if any && system.bodies_active() {
+            system.settle_impulses();
             system.look();
         }
         Ok(any)
@@ -53,7 +56,7 @@ impl Operator for Accretion {
 
 /// Feeds the star with the members of one population that are inside; answers whether there were any.
 fn accrete(system: &mut System, population: usize, time: f64) -> bool {
-    let (centre, radius) = (system.star.x[0], system.star.radius[0]);
+    let (centre, radius) = (system.seen.star_x[0], system.star.radius[0]);
     let (x, v, m, id): (&[Vec3], &[Vec3], &[f64], &[u64]) = match population {
         0 => (
             &system.gas.particles.x,
@@ -85,9 +88,9 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
     for i in (0..keep.len()).filter(|&i| !keep[i]) {
         let (big, small) = (system.star.m[0], m[i]);
         let sum = big + small;
-        let (dx, dv) = (x[i] - system.star.x[0], v[i] - system.star.v[0]);
+        let (dx, dv) = (x[i] - centre, v[i] - system.star.v[0]);
         let reduced = big * small / sum;
-        system.ledger.spin += reduced * dx.cross(&dv);
+        system.ledger.spin += (x[i] - system.star.x[0]).cross(&(small * v[i]));
         system.ledger.dissipated += 0.5 * reduced * dv.norm_squared();
         if population == 0 {
             system.ledger.dissipated += small * system.gas.particles.u[i];
@@ -109,8 +112,7 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
             speed_ratio: dv.norm() / escape,
             angle: cosine.clamp(-1.0, 1.0).acos(),
         });
-        system.star.x[0] += dx * (small / sum);
-        system.star.v[0] += dv * (small / sum);
+        system.pending_star[0] += small * dv;
         system.star.m[0] = sum;
     }
     match population {

@@ -23,7 +23,7 @@ fn a_coupled_run_has_the_same_bits_for_1_2_and_7_threads() {
         })
     };
     let one = run(1);
-    assert!(one.lines().count() > 50);
+    assert!(one.lines().count() > 5);
     for threads in [2, 7] {
         assert!(one == run(threads), "{threads} threads differ from one");
     }

@@ -5,70 +5,11 @@
 
 use std::f64::consts::PI;
 
+pub use nbody::orbit::Elements;
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Columns, Vec3};
 use nbody::{Bodies, Kind};
 use rand::{Rng, RngExt};
-
-/// Elements of an ellipse; angles in radians.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Elements {
-    pub semi_major_axis: f64,
-    pub eccentricity: f64,
-    pub inclination: f64,
-    /// Longitude of the ascending node.
-    pub node: f64,
-    /// Argument of the pericentre.
-    pub pericentre: f64,
-    pub mean_anomaly: f64,
-}
-
-/// Position and velocity relative to the body in the focus, mu = G (M + m).
-pub fn state(elements: &Elements, mu: f64) -> (Vec3, Vec3) {
-    let (a, e) = (elements.semi_major_axis, elements.eccentricity);
-    assert!(
-        a > 0.0 && (0.0..1.0).contains(&e),
-        "an ellipse: a = {a}, e = {e}"
-    );
-    let (sin, cos) = eccentric_anomaly(elements.mean_anomaly, e).sin_cos();
-    let minor = (1.0 - e * e).sqrt();
-    let speed = (mu / a).sqrt() / (1.0 - e * cos);
-    let (n, w, i) = (
-        elements.node.sin_cos(),
-        elements.pericentre.sin_cos(),
-        elements.inclination.sin_cos(),
-    );
-    // Unit vectors to the pericentre and a quarter turn ahead of it.
-    let p = Vec3::new(
-        n.1 * w.1 - n.0 * w.0 * i.1,
-        n.0 * w.1 + n.1 * w.0 * i.1,
-        w.0 * i.0,
-    );
-    let q = Vec3::new(
-        -n.1 * w.0 - n.0 * w.1 * i.1,
-        -n.0 * w.0 + n.1 * w.1 * i.1,
-        w.1 * i.0,
-    );
-    let x = a * ((cos - e) * p + minor * sin * q);
-    let v = speed * (minor * cos * q - sin * p);
-    (x, v)
-}
-
-/// E of Kepler's equation E - e sin E = M, by Newton's method from the far side, which never overshoots.
-fn eccentric_anomaly(mean_anomaly: f64, e: f64) -> f64 {
-    let m = mean_anomaly - 2.0 * PI * (mean_anomaly / (2.0 * PI)).round();
-    // On [0, pi] E - e sin E is convex: from E = min(M + e, pi) on, each step stays above the root.
-    let far = m.abs();
-    let mut anomaly = (far + e).min(PI);
-    for _ in 0..60 {
-        let step = (anomaly - e * anomaly.sin() - far) / (1.0 - e * anomaly.cos());
-        anomaly -= step;
-        if step.abs() < 1e-15 {
-            break;
-        }
-    }
-    anomaly.copysign(m)
-}
 
 /// What bodies go around.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +52,7 @@ pub fn place(bodies: &mut Bodies, id: u64, body: Body, (x, v): (Vec3, Vec3)) {
 
 /// Adds a body on an orbit about `centre`.
 pub fn orbit(bodies: &mut Bodies, id: u64, body: Body, elements: &Elements, centre: &Centre) {
-    let (x, v) = state(elements, centre.g * (centre.mass + body.mass));
+    let (x, v) = elements.state(centre.g * (centre.mass + body.mass));
     place(bodies, id, body, (centre.x + x, centre.v + v));
 }
 
@@ -242,7 +183,7 @@ mod tests {
                     pericentre: 4.0,
                     mean_anomaly,
                 };
-                let (x, v) = state(&elements, mu);
+                let (x, v) = elements.state(mu);
                 let energy = 0.5 * v.norm_squared() - mu / x.norm();
                 assert!(
                     (energy * -2.0 * 2.5 / mu - 1.0).abs() < 1e-11 / (1.0 - e),

@@ -276,7 +276,12 @@ fn column<T: H5Type>(group: &Group, name: &str, dataset: &Dataset) -> Result<Vec
 fn reals(group: &Group, name: &str, dataset: &Dataset, n: usize, factor: f64) -> Result<Vec<f64>> {
     let mut values = column::<f64>(group, name, dataset)?;
     same_length(group, name, values.len(), n)?;
-    if let Some(i) = values.iter().position(|x| !x.is_finite()) {
+    // Grains without gas around are never stopped.
+    let endless = name.starts_with("Stopping") || name.starts_with("Stokes");
+    if let Some(i) = values
+        .iter()
+        .position(|x| !(x.is_finite() || endless && *x == f64::INFINITY))
+    {
         return Err(not_finite(group, name, i));
     }
     if factor != 1.0 {
