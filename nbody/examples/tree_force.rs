@@ -1,10 +1,9 @@
 //! Error and cost of tree gravity on a thin annulus of planetesimals and on a Plummer sphere, as a table.
 //!
-//! `cargo run --release --example tree_force [N]...`; RAYON_NUM_THREADS=1 for the cost on one thread. Least of several runs, tree
-//! construction included. Errors are |a - a_exact| / |a_exact| of about 2000 particles against the direct sum in f64.
+//! `cargo run --release --example tree_force [N]... [ERROR]... [annulus|Plummer]`; CPU time of all threads, the least
+//! of several runs, tree construction included. Errors are |a - a_exact| / |a_exact| of about 2000 particles against the direct sum in f64.
 
-use std::time::Instant;
-
+use cpu_time::ProcessTime;
 use nbody::gravity::{Accuracy, Count, Gravity, Method, Settings};
 use nbody::points::Vec3;
 use rand::{RngExt, SeedableRng};
@@ -73,7 +72,7 @@ fn solver(accuracy: Accuracy, method: Method) -> Gravity {
 }
 
 /// Prints the rows of one distribution.
-fn report(name: &str, x: &[Vec3], runs: usize) {
+fn report(name: &str, x: &[Vec3], accuracies: &[Accuracy], runs: usize) {
     let n = x.len();
     let (m, softening) = (vec![1.0 / n as f64; n], vec![0.0; n]);
     let test: Vec<u32> = (0..n as u32).step_by((n / 2000).max(1)).collect();
@@ -83,14 +82,12 @@ fn report(name: &str, x: &[Vec3], runs: usize) {
     direct.field(&test, &mut exact, &mut []);
     let active: Vec<u32> = (0..n as u32).collect();
     let mut a = vec![Vec3::zeros(); n];
-    let angles = [0.3, 0.5, 0.7].map(Accuracy::OpeningAngle);
-    let wanted = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 4e-3].map(Accuracy::ForceError);
-    for accuracy in angles.into_iter().chain(wanted) {
+    for &accuracy in accuracies {
         let mut gravity = solver(accuracy, Method::Tree);
         let (mut building, mut least) = (f64::INFINITY, f64::INFINITY);
         let mut count = Count::default();
         for _ in 0..runs {
-            let start = Instant::now();
+            let start = ProcessTime::now();
             gravity.build(x, &m, &softening);
             building = building.min(start.elapsed().as_secs_f64());
             count = gravity.field(&active, &mut a, &mut []);
@@ -121,13 +118,35 @@ fn main() {
     } else {
         sizes
     };
+    let wanted: Vec<f64> = std::env::args()
+        .skip(1)
+        .filter(|a| a.parse::<usize>().is_err())
+        .filter_map(|a| a.parse().ok())
+        .collect();
+    let accuracies = if wanted.is_empty() {
+        let angles = [0.3, 0.5, 0.7].map(Accuracy::OpeningAngle);
+        let errors = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 4e-3].map(Accuracy::ForceError);
+        angles.into_iter().chain(errors).collect()
+    } else {
+        wanted
+            .into_iter()
+            .map(Accuracy::ForceError)
+            .collect::<Vec<_>>()
+    };
     println!(
-        "| N | distribution | setting | rms | 99 % | us a particle | of that build | interactions a particle |"
+        "| N | distribution | setting | rms | 99 % | CPU us a particle | of that build | interactions a particle |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     for n in sizes {
         let runs = (1_000_000 / n).clamp(2, 20);
-        report("annulus", &annulus(n), runs);
-        report("Plummer", &plummer(n), runs);
+        for (name, place) in [
+            ("annulus", annulus as fn(usize) -> Vec<Vec3>),
+            ("Plummer", plummer),
+        ] {
+            let other = std::env::args().any(|a| a != name && (a == "annulus" || a == "Plummer"));
+            if !other {
+                report(name, &place(n), &accuracies, runs);
+            }
+        }
     }
 }

@@ -26,7 +26,7 @@ use moments::Moment;
 use walk::{Criterion, Forest, Lens};
 
 /// Most targets in a group.
-pub const GROUP: usize = 64;
+pub const GROUP: usize = 128;
 /// Most particles in a cluster: groups that share the upper part of their walk.
 const CLUSTER: usize = 8 * GROUP;
 /// Most particles in a leaf.

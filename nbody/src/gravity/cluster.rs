@@ -2,9 +2,8 @@
 //!
 //! The wanted relative error e turns into a node's largest error tau(e) a, where a is the harmonic mean square acceleration of the
 //! group, 1/a^2 = <1/a_i^2>: the mean that the rms relative error weighs with. It is estimated from a sample of the targets
-//! with the widest admissible opening angle.
+//! with the widest opening angle that the cluster as a whole admits.
 
-use std::iter::StepBy;
 use std::ops::Range;
 
 use fearless_simd::Level;
@@ -19,7 +18,7 @@ use super::moments::Moment;
 use super::walk::{Criterion, Forest, Lists, Region};
 
 /// Targets of a group whose acceleration is estimated.
-const SAMPLE: usize = 8;
+const SAMPLE: usize = 4;
 /// A target with less than this part of its group's acceleration is done again by a criterion of its own.
 const OUTLIER: f64 = 0.1;
 
@@ -113,7 +112,7 @@ impl<E: Real> Cluster<E> {
             let (first, end) = (self.groups[g].first, self.groups[g].end);
             let small = OUTLIER * self.groups[g].typical;
             self.complete(scene, g);
-            count.interactions += self.pull(scene, g, (first..end).step_by(1), scene.potential);
+            count.interactions += self.pull(scene, g, first..end);
             count.targets += (end - first) as u64;
             for (i, pull) in (first..end).zip(&self.pulls) {
                 if size(pull) < small {
@@ -129,7 +128,7 @@ impl<E: Real> Cluster<E> {
             self.lists
                 .share(scene.forest, &self.groups[g].region, criterion, criterion);
             self.complete(scene, g);
-            count.interactions += self.pull(scene, g, (i..i + 1).step_by(1), scene.potential);
+            count.interactions += self.pull(scene, g, i..i + 1);
             give(self.slots[i], self.pulls[0]);
         }
         count
@@ -175,24 +174,17 @@ impl<E: Real> Cluster<E> {
         let (lo, hi) = self.targets[first..]
             .iter()
             .fold(empty, |(lo, hi), t| (lo.inf(&t.x), hi.sup(&t.x)));
-        let root = &scene.forest.tree.nodes[0];
-        // A lone target has no size; it takes the smallest whose fourth power f32 can span the whole with.
-        let unit = (0.5 * (hi - lo).norm()).max(1e-8 * (root.hi - root.lo).norm());
-        let unit = if unit > 0.0 { unit } else { 1.0 };
+        let frame = frame(scene, lo, hi);
         Active {
             first,
             end: self.targets.len(),
             region: Region {
                 lo,
                 hi,
-                near: scene.closest * unit,
+                near: scene.closest / frame.scale,
                 home,
             },
-            frame: Frame {
-                centre: 0.5 * (lo + hi),
-                scale: 1.0 / unit,
-                closest: scene.closest,
-            },
+            frame,
             criterion: scene.criterion,
             typical: 0.0,
         }
@@ -211,50 +203,59 @@ impl<E: Real> Cluster<E> {
 
     /// Sets the groups' criteria.
     fn choose(&mut self, scene: &Scene, region: &Region) {
-        let widest = Criterion::Widest;
-        if scene.criterion == widest {
-            self.lists.share(scene.forest, region, widest, widest);
+        let by_error = scene.criterion == Criterion::Widest;
+        if by_error {
+            self.sample(scene, region);
         }
-        for g in 0..self.groups.len() {
-            self.groups[g].criterion = scene.criterion;
-            if scene.criterion == widest {
-                let typical = self.typical(scene, g);
-                self.groups[g].typical = typical;
-                self.groups[g].criterion = Criterion::Error(scene.tolerance * typical);
+        let mut rest = &self.pulls[..];
+        for group in &mut self.groups {
+            group.criterion = scene.criterion;
+            if by_error {
+                let (own, others) = rest.split_at(sampled(group).count());
+                rest = others;
+                let inverse_squares: f64 = own.iter().map(|pull| size(pull).powi(-2)).sum();
+                group.typical = (own.len() as f64 / inverse_squares).sqrt();
+                group.criterion = Criterion::Error(scene.tolerance * group.typical);
             }
         }
     }
 
-    /// Estimate of the size of the accelerations in a group.
-    fn typical(&mut self, scene: &Scene, g: usize) -> f64 {
-        let (first, end) = (self.groups[g].first, self.groups[g].end);
-        let stride = (end - first).div_ceil(SAMPLE);
-        self.complete(scene, g);
-        self.pull(scene, g, (first..end).step_by(stride), false);
-        let inverse_squares: f64 = self.pulls.iter().map(|pull| size(pull).powi(-2)).sum();
-        (self.pulls.len() as f64 / inverse_squares).sqrt()
+    /// Pulls on a few targets of each group, the whole cluster taken as one group.
+    fn sample(&mut self, scene: &Scene, cluster: &Region) {
+        let frame = frame(scene, cluster.lo, cluster.hi);
+        let region = Region {
+            near: scene.closest / frame.scale,
+            ..*cluster
+        };
+        let widest = Criterion::Widest;
+        self.lists.share(scene.forest, &region, widest, widest);
+        self.lists.complete(scene.forest, &region, widest);
+        self.pulled.clear();
+        for group in &self.groups {
+            let targets = sampled(group).map(|i| self.targets[i]);
+            self.pulled.extend(targets);
+        }
+        self.sum(scene, frame, region.home, false);
     }
 
     /// Pulls on some targets of group `g` by what is in the lists; returns the number of interactions.
-    fn pull(
-        &mut self,
-        scene: &Scene,
-        g: usize,
-        targets: StepBy<Range<usize>>,
-        potential: bool,
-    ) -> u64 {
-        let group = &self.groups[g];
+    fn pull(&mut self, scene: &Scene, g: usize, targets: Range<usize>) -> u64 {
+        let Active { frame, region, .. } = self.groups[g];
         self.pulled.clear();
-        self.pulled.extend(targets.map(|i| self.targets[i]));
+        self.pulled.extend_from_slice(&self.targets[targets]);
+        self.sum(scene, frame, region.home, scene.potential)
+    }
+
+    /// Pulls on `pulled` by what is in the lists and in the node `home`; returns the number of interactions.
+    fn sum(&mut self, scene: &Scene, frame: Frame, home: usize, potential: bool) -> u64 {
         self.pulls.clear();
         self.pulls.resize(self.pulled.len(), Pull::default());
-        let nodes = &scene.forest.tree.nodes;
-        let home = scene.sources.of(nodes[group.region.home].range());
+        let home = scene.sources.of(scene.forest.tree.nodes[home].range());
         let count = self.lists.count() + home.len();
         E::run(
             scene.level,
             Group {
-                frame: group.frame,
+                frame,
                 targets: &self.pulled,
                 home,
                 lists: &self.lists,
@@ -265,13 +266,31 @@ impl<E: Real> Cluster<E> {
                 pulls: &mut self.pulls,
             },
         );
-        let scale = group.frame.scale;
         for pull in &mut self.pulls {
-            pull.a = pull.a.map(|a| a * scale * scale);
-            pull.phi *= scale;
+            pull.a = pull.a.map(|a| a * frame.scale * frame.scale);
+            pull.phi *= frame.scale;
         }
         (self.pulls.len() * count) as u64
     }
+}
+
+/// The frame of targets in a box.
+fn frame(scene: &Scene, lo: Vec3, hi: Vec3) -> Frame {
+    let root = &scene.forest.tree.nodes[0];
+    // A lone target has no size; it takes the smallest whose fourth power f32 can span the whole with.
+    let unit = (0.5 * (hi - lo).norm()).max(1e-8 * (root.hi - root.lo).norm());
+    let unit = if unit > 0.0 { unit } else { 1.0 };
+    Frame {
+        centre: 0.5 * (lo + hi),
+        scale: 1.0 / unit,
+        closest: scene.closest,
+    }
+}
+
+/// The targets of a group whose acceleration is estimated.
+fn sampled(group: &Active) -> impl Iterator<Item = usize> + use<> {
+    let stride = (group.end - group.first).div_ceil(SAMPLE);
+    (group.first..group.end).step_by(stride)
 }
 
 /// Size of an acceleration.

@@ -10,8 +10,8 @@ use fearless_simd::Simd;
 use crate::points::Vec3;
 
 use super::kernel::{
-    Block, POINTS, Points, Pull, QUADRUPOLES, Quadrupoles, Targets, each_near, pull_of_points,
-    pull_of_quadrupoles,
+    BATCH, Block, POINTS, Points, Pull, QUADRUPOLES, Quadrupoles, Targets, each_near,
+    pull_of_points, pull_of_quadrupoles,
 };
 use super::lanes::{Job, Lanes, Real};
 use super::moments::Moment;
@@ -116,7 +116,7 @@ impl<E: Real> Default for Blocks<E> {
         Self {
             points: Block::with_capacity(POINTS),
             index: vec![0; POINTS],
-            quadrupoles: Block::with_capacity(QUADRUPOLES),
+            quadrupoles: Quadrupoles::default(),
             targets: Block::with_capacity(super::GROUP),
             hits: vec![0; super::GROUP],
         }
@@ -229,20 +229,23 @@ impl<E: Real> Group<'_, E> {
     fn take_nodes(&mut self, nodes: &[u32]) {
         let Frame { centre, scale, .. } = self.frame;
         let square = scale * scale;
-        let block = &mut self.blocks.quadrupoles;
-        block.len = nodes.len();
-        for (i, &node) in nodes.iter().enumerate() {
-            let moment = &self.moments[node as usize];
-            let d = (moment.centre - centre) * scale;
-            let [xx, yy, zz, xy, xz, yz] = moment.second.map(|s| 3.0 * s * square);
-            let trace = 0.5 * (xx + yy + zz);
-            let eps2 = moment.eps2 * square;
-            let row = [d.x, d.y, d.z, eps2, moment.m, xx, yy, zz, xy, xz, yz, trace];
-            for (column, value) in block.columns.iter_mut().zip(row) {
-                column[i] = E::from_f64(value);
+        let batches = &mut self.blocks.quadrupoles.batches;
+        batches.clear();
+        for nodes in nodes.chunks(BATCH) {
+            let mut batch = Quadrupoles::empty_batch();
+            for (i, &node) in nodes.iter().enumerate() {
+                let moment = &self.moments[node as usize];
+                let d = (moment.centre - centre) * scale;
+                let [xx, yy, zz, xy, xz, yz] = moment.second.map(|s| 3.0 * s * square);
+                let trace = 0.5 * (xx + yy + zz);
+                let eps2 = moment.eps2 * square;
+                let row = [d.x, d.y, d.z, eps2, moment.m, xx, yy, zz, xy, xz, yz, trace];
+                for (column, value) in batch.iter_mut().zip(row) {
+                    column[i] = E::from_f64(value);
+                }
             }
+            batches.push(batch);
         }
-        block.pad();
     }
 
     #[inline(always)]

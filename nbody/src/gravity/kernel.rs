@@ -27,8 +27,6 @@ pub struct Block<E, const COLUMNS: usize> {
 
 /// x, y, z, eps^2, m.
 pub type Points<E> = Block<E, 5>;
-/// x, y, z, eps^2, m, 3 S (xx, yy, zz, xy, xz, yz), 3/2 tr S.
-pub type Quadrupoles<E> = Block<E, 12>;
 /// x, y, z, eps^2.
 pub type Targets<E> = Block<E, 4>;
 
@@ -49,6 +47,24 @@ impl<E: Real, const COLUMNS: usize> Block<E, COLUMNS> {
                 column[i] = E::from_f64(if c == 3 { 1.0 } else { 0.0 });
             }
         }
+    }
+}
+
+/// Quadrupoles that lie together, column after column: x, y, z, eps^2, m, 3 S (xx, yy, zz, xy, xz, yz), 3/2 tr S.
+pub type Batch<E> = [[E; BATCH]; 12];
+/// Quadrupoles in a batch; a multiple of all lanes.
+pub const BATCH: usize = PADDING;
+
+/// Batches of quadrupoles; what pads the last one is massless and softened.
+#[derive(Clone, Debug, Default)]
+pub struct Quadrupoles<E> {
+    pub batches: Vec<Batch<E>>,
+}
+
+impl<E: Real> Quadrupoles<E> {
+    /// A batch of nothing.
+    pub fn empty_batch() -> Batch<E> {
+        std::array::from_fn(|c| [E::from_f64(if c == 3 { 1.0 } else { 0.0 }); BATCH])
     }
 }
 
@@ -101,23 +117,36 @@ fn load<S: Simd, E: Real, const C: usize>(
     E::Native::<S>::from_slice(simd, &block.columns[column][i..i + E::Native::<S>::LEN])
 }
 
-/// Separation and softened square of the distance from target `k` to the sources at `i`.
 #[inline(always)]
-fn separation<S: Simd, E: Real, const C: usize>(
-    simd: S,
-    t: &Abreast<E::Native<S>>,
+fn take<S: Simd, E: Real>(simd: S, column: &[E; BATCH], i: usize) -> E::Native<S> {
+    E::Native::<S>::from_slice(simd, &column[i..i + E::Native::<S>::LEN])
+}
+
+/// Separation and softened square of the distance from target `k` to `sources`: x, y, z, eps^2.
+#[inline(always)]
+fn separation<S: Simd, V: SimdFloat<S>>(
+    t: &Abreast<V>,
     k: usize,
-    block: &Block<E, C>,
-    i: usize,
-) -> ([E::Native<S>; 3], E::Native<S>) {
-    let dx = load(simd, block, 0, i) - t.x[k];
-    let dy = load(simd, block, 1, i) - t.y[k];
-    let dz = load(simd, block, 2, i) - t.z[k];
-    let e = load(simd, block, 3, i) + t.e[k];
+    [x, y, z, e]: [V; 4],
+) -> ([V; 3], V) {
+    let (dx, dy, dz) = (x - t.x[k], y - t.y[k], z - t.z[k]);
+    let e = e + t.e[k];
     (
         [dx, dy, dz],
         dz.mul_add(dz, dy.mul_add(dy, dx.mul_add(dx, e))),
     )
+}
+
+/// The first four columns of a block at `i`.
+#[inline(always)]
+fn places<S: Simd, E: Real, const C: usize>(
+    simd: S,
+    block: &Block<E, C>,
+    i: usize,
+) -> [E::Native<S>; 4] {
+    let (x, y) = (load(simd, block, 0, i), load(simd, block, 1, i));
+    let (z, e) = (load(simd, block, 2, i), load(simd, block, 3, i));
+    [x, y, z, e]
 }
 
 /// Adds the pull of `block` to `pulls`. With `NEAR`, pairs with q^2 <= `closest` are left out and counted in `hits`.
@@ -139,9 +168,10 @@ pub fn pull_of_points<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bool, c
         let mut phi = [zero; ABREAST];
         let mut near = [zero; ABREAST];
         for i in (0..block.len).step_by(E::Native::<S>::LEN) {
+            let places = places(simd, block, i);
             let m = load(simd, block, 4, i);
             for k in 0..ABREAST {
-                let (d, q) = separation(simd, &t, k, block, i);
+                let (d, q) = separation(&t, k, places);
                 // m q^(-3/2) from the estimate y: y^3 (5 - 3 q y^2) / 2 is right to second order.
                 let y = R::inverse_root(simd, q);
                 let y2 = y * y;
@@ -207,7 +237,7 @@ pub fn each_near<S: Simd, E: Real>(
     let t = abreast(simd, targets, first);
     let closest = E::Native::<S>::splat(simd, closest);
     for i in (0..block.len).step_by(E::Native::<S>::LEN) {
-        let (_, q) = separation(simd, &t, target - first, block, i);
+        let (_, q) = separation(&t, target - first, places(simd, block, i));
         let mut bits = (!q.simd_gt(closest)).to_bitmask();
         while bits != 0 {
             visit(i + bits.trailing_zeros() as usize);
@@ -234,36 +264,32 @@ pub fn pull_of_quadrupoles<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bo
         let t = abreast(simd, targets, first);
         let mut a = [[zero; 3]; ABREAST];
         let mut phi = [zero; ABREAST];
-        for i in (0..block.len).step_by(E::Native::<S>::LEN) {
-            for k in 0..ABREAST {
-                let (d, q) = separation(simd, &t, k, block, i);
-                let y = R::inverse_root(simd, q);
-                let y = y * (q * y * y).mul_add(-half, three_halves);
-                let y2 = y * y;
-                let [ux, uy, uz] = [d[0] * y, d[1] * y, d[2] * y];
-                let (xx, yy, zz) = (
-                    load(simd, block, 5, i),
-                    load(simd, block, 6, i),
-                    load(simd, block, 7, i),
-                );
-                let (xy, xz, yz) = (
-                    load(simd, block, 8, i),
-                    load(simd, block, 9, i),
-                    load(simd, block, 10, i),
-                );
-                let gx = xx.mul_add(ux, xy.mul_add(uy, xz * uz));
-                let gy = xy.mul_add(ux, yy.mul_add(uy, yz * uz));
-                let gz = xz.mul_add(ux, yz.mul_add(uy, zz * uz));
-                let ug = ux.mul_add(gx, uy.mul_add(gy, uz * gz));
-                let trace = load(simd, block, 11, i);
-                let c = y2 * y2.mul_add(five_halves.mul_add(ug, -trace), load(simd, block, 4, i));
-                let y4 = -(y2 * y2);
-                a[k][0] = ux.mul_add(c, gx.mul_add(y4, a[k][0]));
-                a[k][1] = uy.mul_add(c, gy.mul_add(y4, a[k][1]));
-                a[k][2] = uz.mul_add(c, gz.mul_add(y4, a[k][2]));
-                if POTENTIAL {
-                    let second = half.mul_add(ug, trace * same::<S, E>(simd, -1.0 / 3.0));
-                    phi[k] = y.mul_add(y2.mul_add(second, load(simd, block, 4, i)), phi[k]);
+        for batch in &block.batches {
+            for i in (0..BATCH).step_by(E::Native::<S>::LEN) {
+                let column = |c: usize| take::<S, E>(simd, &batch[c], i);
+                let places = [column(0), column(1), column(2), column(3)];
+                let (m, trace) = (column(4), column(11));
+                let (xx, yy, zz) = (column(5), column(6), column(7));
+                let (xy, xz, yz) = (column(8), column(9), column(10));
+                for k in 0..ABREAST {
+                    let (d, q) = separation(&t, k, places);
+                    let y = R::inverse_root(simd, q);
+                    let y = y * (q * y * y).mul_add(-half, three_halves);
+                    let y2 = y * y;
+                    let [ux, uy, uz] = [d[0] * y, d[1] * y, d[2] * y];
+                    let gx = xx.mul_add(ux, xy.mul_add(uy, xz * uz));
+                    let gy = xy.mul_add(ux, yy.mul_add(uy, yz * uz));
+                    let gz = xz.mul_add(ux, yz.mul_add(uy, zz * uz));
+                    let ug = ux.mul_add(gx, uy.mul_add(gy, uz * gz));
+                    let c = y2 * y2.mul_add(five_halves.mul_add(ug, -trace), m);
+                    let y4 = -(y2 * y2);
+                    a[k][0] = ux.mul_add(c, gx.mul_add(y4, a[k][0]));
+                    a[k][1] = uy.mul_add(c, gy.mul_add(y4, a[k][1]));
+                    a[k][2] = uz.mul_add(c, gz.mul_add(y4, a[k][2]));
+                    if POTENTIAL {
+                        let second = half.mul_add(ug, trace * same::<S, E>(simd, -1.0 / 3.0));
+                        phi[k] = y.mul_add(y2.mul_add(second, m), phi[k]);
+                    }
                 }
             }
         }
@@ -272,6 +298,8 @@ pub fn pull_of_quadrupoles<S: Simd, E: Real, R: Lanes<S, E>, const POTENTIAL: bo
     }
 }
 
+#[cfg(test)]
+mod rates;
 #[cfg(test)]
 mod tests {
     use super::super::lanes::Job;
@@ -315,6 +343,15 @@ mod tests {
         block
     }
 
+    /// A batch of one quadrupole.
+    fn batch<E: Real>(row: [f64; 12]) -> Batch<E> {
+        let mut batch = Quadrupoles::empty_batch();
+        for (column, value) in batch.iter_mut().zip(row) {
+            column[0] = E::from_f64(value);
+        }
+        batch
+    }
+
     /// Relative error of the quadrupole of a few points at `distance`, in force and potential.
     fn truncation<E: Real>(level: Level, distance: f64) -> (f64, f64) {
         let points = [
@@ -344,7 +381,9 @@ mod tests {
             Once {
                 targets: &block(&[[0.48 * distance, -0.6 * distance, 0.64 * distance, 0.01]]),
                 points: &block(&points),
-                quadrupoles: &block(&[row]),
+                quadrupoles: &Quadrupoles {
+                    batches: vec![batch(row)],
+                },
                 pulls: &mut pulls,
             },
         );

@@ -195,7 +195,7 @@ impl Lists {
         self.shared = (self.nodes.len(), self.far.len());
     }
 
-    /// Completes the lists for one group of the cluster. The sources of the group's own node are left out.
+    /// Completes the lists for one group of the cluster, or for the cluster as a group. The sources of its own node are left out.
     pub fn complete(&mut self, forest: Forest, region: &Region, criterion: Criterion) {
         let Forest { tree, lenses } = forest;
         self.nodes.truncate(self.shared.0);
@@ -204,6 +204,7 @@ impl Lists {
         let scale = criterion.scale();
         let all_pairs = scale.is_infinite();
         let near2 = region.near * region.near;
+        let home = region.home..lenses[region.home].skip as usize;
         let undecided = std::mem::take(&mut self.undecided);
         for &top in &undecided {
             let mut i = top as usize;
@@ -212,7 +213,7 @@ impl Lists {
                 let lens = &lenses[i];
                 let skip = lens.skip as usize;
                 let d2 = region.distance2(lens.centre);
-                if i == region.home || lens.first == lens.end {
+                if home.contains(&i) || lens.first == lens.end {
                     i = skip;
                 } else if !all_pairs && d2 > (lens.reach2 * scale).max(lens.bound2.max(near2)) {
                     self.take(i, lens, region, &tree.nodes[i]);

@@ -1,0 +1,187 @@
+//! Rates of the kernels beside the processor's peak, measured in one run.
+//!
+//! `RAYON_NUM_THREADS=1 cargo test --release -p tridisk-nbody kernel_rates -- --ignored --nocapture`
+//!
+//! The peak is that of fused multiply-adds on registers alone, two operations a lane. Points take 24 operations a pair, quadrupoles 60,
+//! with the reciprocal root counted as one; f64 refines it with five more.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat};
+
+use super::super::lanes::{Job, Lanes, Real};
+use super::*;
+
+/// Chains of multiply-adds that the peak is measured with: more than latency times throughput.
+const CHAINS: usize = 12;
+const TURNS: usize = 4_000_000;
+
+/// Fused multiply-adds on registers: returns lanes times operations a turn.
+struct Peak<'a, E> {
+    factor: E,
+    out: &'a mut [f64],
+    operations: &'a mut f64,
+}
+
+impl<E: Real> Job<E> for Peak<'_, E> {
+    #[inline(always)]
+    fn run<S: Simd, R: Lanes<S, E>>(self, simd: S) {
+        let factor = E::Native::<S>::splat(simd, self.factor);
+        let mut chain = [factor; CHAINS];
+        for _ in 0..TURNS {
+            for value in &mut chain {
+                *value = value.mul_add(factor, factor);
+            }
+        }
+        for (out, value) in self.out.iter_mut().zip(chain) {
+            *out = R::sum(value);
+        }
+        *self.operations = (2 * CHAINS * TURNS * E::Native::<S>::LEN) as f64;
+    }
+}
+
+/// Operations a second, in 1e9.
+fn peak<E: Real>(level: Level) -> f64 {
+    let (mut out, mut operations) = ([0.0; CHAINS], 0.0);
+    let mut least = f64::INFINITY;
+    for _ in 0..5 {
+        let start = Instant::now();
+        E::run(
+            level,
+            Peak {
+                factor: black_box(E::from_f64(0.5)),
+                out: &mut out,
+                operations: &mut operations,
+            },
+        );
+        least = least.min(start.elapsed().as_secs_f64());
+        black_box(&out);
+    }
+    operations / least * 1e-9
+}
+
+/// A block of points, or of quadrupoles, on 64 targets, many times over.
+struct Often<'a, E> {
+    targets: &'a Targets<E>,
+    points: &'a Points<E>,
+    quadrupoles: &'a Quadrupoles<E>,
+    far: bool,
+    times: usize,
+    pulls: &'a mut [Pull],
+    hits: &'a mut [u32],
+}
+
+impl<E: Real> Job<E> for Often<'_, E> {
+    #[inline(always)]
+    fn run<S: Simd, R: Lanes<S, E>>(self, simd: S) {
+        let none = E::from_f64(0.0);
+        for _ in 0..self.times {
+            if self.far {
+                let quadrupoles = black_box(self.quadrupoles);
+                pull_of_quadrupoles::<S, E, R, false>(simd, self.targets, quadrupoles, self.pulls);
+            } else {
+                let points = black_box(self.points);
+                pull_of_points::<S, E, R, false, false>(
+                    simd,
+                    self.targets,
+                    points,
+                    none,
+                    self.pulls,
+                    self.hits,
+                );
+            }
+        }
+    }
+}
+
+/// Some number between 0.1 and 1.1.
+fn number(i: usize, column: usize) -> f64 {
+    0.1 + ((i * 37 + column * 101) % 997) as f64 / 997.0
+}
+
+fn filled<E: Real, const C: usize>(n: usize) -> Block<E, C> {
+    let mut block = Block::with_capacity(n);
+    block.len = n;
+    for (c, column) in block.columns.iter_mut().enumerate() {
+        for (i, value) in column.iter_mut().enumerate() {
+            *value = E::from_f64(number(i, c));
+        }
+    }
+    block
+}
+
+/// Interactions a second, in 1e9.
+fn rate<E: Real>(level: Level, far: bool) -> f64 {
+    let points = filled(POINTS);
+    let batch = |b: usize| {
+        std::array::from_fn(|c| std::array::from_fn(|i| E::from_f64(number(b * BATCH + i, c))))
+    };
+    let quadrupoles = Quadrupoles {
+        batches: (0..QUADRUPOLES / BATCH).map(batch).collect(),
+    };
+    let targets = filled::<E, 4>(64);
+    let mut pulls = [Pull::default(); 64];
+    let times = 400;
+    let mut least = f64::INFINITY;
+    for _ in 0..7 {
+        let start = Instant::now();
+        E::run(
+            level,
+            Often {
+                targets: &targets,
+                points: &points,
+                quadrupoles: &quadrupoles,
+                far,
+                times,
+                pulls: &mut pulls,
+                hits: &mut [0; 64],
+            },
+        );
+        least = least.min(start.elapsed().as_secs_f64());
+        black_box(&pulls);
+    }
+    let sources = if far { QUADRUPOLES } else { POINTS };
+    (times * sources * 64) as f64 / least * 1e-9
+}
+
+#[test]
+#[ignore = "a measurement, for a quiet machine"]
+fn kernel_rates() {
+    let level = Level::new();
+    println!("| kernel | 1e9 interactions/s | 1e9 operations/s | of the peak |");
+    println!("| --- | --- | --- | --- |");
+    for (name, peak, rate, operations) in [
+        (
+            "points, f32",
+            peak::<f32>(level),
+            rate::<f32>(level, false),
+            24.0,
+        ),
+        (
+            "points, f64",
+            peak::<f64>(level),
+            rate::<f64>(level, false),
+            29.0,
+        ),
+        (
+            "quadrupoles, f32",
+            peak::<f32>(level),
+            rate::<f32>(level, true),
+            60.0,
+        ),
+        (
+            "quadrupoles, f64",
+            peak::<f64>(level),
+            rate::<f64>(level, true),
+            65.0,
+        ),
+    ] {
+        let operations = rate * operations;
+        println!(
+            "| {name} | {rate:.2} | {operations:.0} | {:.2} of {peak:.0} |",
+            operations / peak
+        );
+        assert!(operations < 1.1 * peak, "no faster than the processor");
+    }
+}
