@@ -203,6 +203,9 @@ impl Operator for Collisions {
         };
         let (bodies, next_id) = (&mut system.bodies, &mut system.next_id);
         let outcome = collisions::collide(bodies, &self.touched, &self.law, &field, next_id);
+        if outcome.events.is_empty() {
+            return Ok(true);
+        }
         for event in &outcome.events {
             system.ledger.dissipated += event.energy_lost;
             system.events.push(Event::from(event));
@@ -212,7 +215,7 @@ impl Operator for Collisions {
         // An integrator that remembers other velocities has to begin anew: one number is no state of any.
         system.memory.truncate(1);
         system.look();
-        Ok(!outcome.events.is_empty())
+        Ok(true)
     }
 }
 

@@ -256,7 +256,8 @@ impl Ledger {
             e => e,
         };
         let momentum_error = (now.momentum + lost.momentum - start.momentum).norm();
-        let angular_error = (now.angular_momentum + lost.angular_momentum - start.angular_momentum).norm();
+        let angular_error =
+            (now.angular_momentum + lost.angular_momentum - start.angular_momentum).norm();
         Report {
             time,
             mass: system.0.map(|t| t.mass),

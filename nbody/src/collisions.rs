@@ -21,8 +21,8 @@ use crate::points::{Columns, Vec3};
 
 pub use impact::Field;
 use impact::{Impact, impact};
-use products::{Origin, Product};
 pub use products::Restitution;
+use products::{Origin, Product};
 use queue::Queue;
 pub use regime::Strength;
 use regime::{Meeting, Regime};
@@ -149,9 +149,7 @@ fn survivors(products: &[Product]) -> usize {
 impl Law {
     fn products(&self, impact: &Impact) -> (Kind, Vec<Product>) {
         match self {
-            Self::Bounce(restitution) => {
-                (Kind::Bounce, products::rebound(impact, restitution))
-            }
+            Self::Bounce(restitution) => (Kind::Bounce, products::rebound(impact, restitution)),
             Self::Fragment(strength, limits) if impact.reduced() > 0.0 => {
                 broken(impact, strength, limits)
             }

@@ -33,6 +33,8 @@ pub struct Impact {
     pub place: [usize; 2],
     pub g: f64,
     pub bond: Bond,
+    /// Between two pieces, which are as soft as the softer of the two.
+    pub piece_bond: Bond,
     pub m: [f64; 2],
     pub radius: [f64; 2],
     pub spin: [Vec3; 2],
@@ -54,11 +56,17 @@ impl Impact {
         let d = field.domain.nearest(bodies.x[j] - bodies.x[i]);
         let w = bodies.v[j] - bodies.v[i];
         let touch = d - w * since;
+        let bond = field.bond(bodies, place);
+        let softest = bodies.softening[i].max(bodies.softening[j]);
         let n = [touch, -w].into_iter().find_map(|n| n.try_normalize(0.0));
         Self {
             place,
             g: field.g,
-            bond: field.bond(bodies, place),
+            bond,
+            piece_bond: Bond {
+                softening2: 2.0 * softest * softest,
+                ..bond
+            },
             m: place.map(|k| bodies.m[k]),
             radius: place.map(|k| bodies.radius[k]),
             spin: place.map(|k| bodies.spin[k]),
@@ -182,9 +190,7 @@ pub struct Field {
 
 impl Field {
     pub fn bond(&self, bodies: &Bodies, place: [usize; 2]) -> Bond {
-        let planet = place
-            .iter()
-            .any(|&i| bodies.kind[i] == Kind::Planet as u32);
+        let planet = place.iter().any(|&i| bodies.kind[i] == Kind::Planet as u32);
         Bond {
             g: if planet || self.self_gravity {
                 self.g

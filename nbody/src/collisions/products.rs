@@ -129,7 +129,11 @@ fn passing(impact: &Impact, apart: f64) -> Way {
 
 /// A direction across `n`.
 fn side_of(n: Vec3) -> Vec3 {
-    let axis = if n.x.abs() < 0.5 { Vec3::x() } else { Vec3::y() };
+    let axis = if n.x.abs() < 0.5 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
     n.cross(&axis).normalize()
 }
 
@@ -184,8 +188,8 @@ fn ring(mut pieces: Vec<Product>, impact: &Impact) -> Vec<Product> {
     let radius = CLEARANCE * impact.reach().max(pieces[0].radius + largest).max(beside);
     // What escapes in truth escapes in the run, whose potential may be softened, or none.
     let escape2 = 2.0 * impact.g * total / radius;
-    let pull2 = 2.0 * impact.bond.g * total / radius;
-    let softened2 = 2.0 * impact.bond.depth(total, radius, radius);
+    let pull2 = 2.0 * impact.piece_bond.g * total / radius;
+    let softened2 = 2.0 * impact.piece_bond.depth(total, radius, radius);
     let speed = (ESCAPE * ESCAPE * escape2 - pull2 + softened2).sqrt();
     let across = impact.tangential().try_normalize(0.0);
     let across = across.unwrap_or_else(|| side_of(impact.n));

@@ -1,7 +1,7 @@
 //! The queue of impacts to come within a step, in the order of time, then ids.
 //!
-//! When a body has had an impact, its later ones are reckoned anew from its new straight path. Only pairs that touched on their first
-//! paths are looked at: whom a body meets because it was deflected, or has grown, is found at the end of the next step.
+//! When a body has had an impact, its later ones are reckoned anew from its new straight path. Only those are looked at whom
+//! one of the two met on its first path: whom else a body meets because it was deflected, or has grown, is found in the next step.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -73,10 +73,14 @@ impl Queue {
         self.reckon(bodies, domain, kept, kept, time);
     }
 
-    /// After two bodies have parted at `time`.
+    /// After two bodies have parted at `time`; the one may go where the other was to.
     pub fn part(&mut self, bodies: &Bodies, domain: &Domain, [one, other]: [usize; 2], time: f64) {
         self.impacts[one] += 1;
         self.impacts[other] += 1;
+        let mut partners = self.partners[one].clone();
+        partners.extend(&self.partners[other]);
+        self.partners[one].clone_from(&partners);
+        self.partners[other] = partners;
         self.reckon(bodies, domain, one, other, time);
         self.reckon(bodies, domain, other, one, time);
     }

@@ -70,7 +70,6 @@ impl Label {
         }
     }
 
-
     /// A column that users see in snapshots.
     pub const fn snapshot(name: &'static str, dimension: Dimension, text: &'static str) -> Self {
         Self {
