@@ -103,8 +103,8 @@ mod tests {
         // Ten times smaller bodies across: 10^2.85 times as many.
         let number = |mass: f64| pieces.iter().filter(|&&piece| piece > mass).count() as f64;
         let slope = (number(1.5e-5) / number(1.5e-2)).log10();
-        // Two pieces lie above the upper mass; the ladder's rungs make an error of one.
-        assert!((slope - 2.85).abs() < 0.02, "{slope}");
+        // One more or less of the two pieces above the upper mass is no more than a tenth here.
+        assert!((slope - 2.85).abs() < 0.03, "{slope}");
     }
 
     #[test]

@@ -109,7 +109,7 @@ fn every_outcome_keeps_its_sums_and_tells_its_energy() {
             let scale = before.1.abs().max(after.1.abs()).max(0.1);
             let error = (after.1 + event.energy_lost - before.1).abs() / scale;
             worst[1] = worst[1].max(error);
-            assert!(error < 1e-14, "{law:?} {seed}: {error:e}");
+            assert!(error < 1e-13, "{law:?} {seed}: {error:e}");
             let largest = bodies.m.iter().copied().fold(0.0, f64::max);
             assert_eq!(event.mass_largest, largest);
             let stays = usize::from(bodies.id.contains(&event.id_lost));
@@ -312,11 +312,13 @@ fn three_bodies_that_touch_in_one_step_keep_their_sums() {
         for seed in 0..100 {
             let mut bodies = random_pair(seed);
             bodies.resize(3);
-            let (x, v) = (bodies.x[0], bodies.v[0]);
-            let way = (bodies.v[1] - v) * -0.7;
+            let v = bodies.v[0];
+            // It follows the second, and touches it a little later than the second the first.
+            let (second, way) = (bodies.x[1], bodies.v[1] - v);
             (bodies.id[2], bodies.m[2], bodies.radius[2]) = (3, 0.1, 0.1f64.cbrt());
-            bodies.x[2] = x - way.normalize() * (bodies.radius[0] + 0.1f64.cbrt()) * 0.97;
-            bodies.v[2] = v + way;
+            let apart = bodies.radius[1] + bodies.radius[2];
+            bodies.x[2] = second - way.normalize() * (apart * 0.999);
+            bodies.v[2] = v + way * 1.1;
             bodies.composition[2] = Vec3::y();
             let before = all_sums(&bodies);
             let events = collide_by(&law, &field(), &mut bodies, 0.1);
