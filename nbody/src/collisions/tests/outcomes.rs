@@ -40,7 +40,7 @@ fn random_pair(seed: u64) -> Bodies {
     let n = vector(random).normalize();
     let side = n.cross(&vector(random)).normalize();
     let sine = random.random::<f64>();
-    let speed = escape * 10f64.powf(-0.2 + 1.4 * random.random::<f64>());
+    let speed = escape * 10f64.powf(-0.05 + 1.2 * random.random::<f64>().powi(2));
     let w = (side * sine - n * (1.0 - sine * sine).sqrt()) * speed;
     let d = n * reach + w * (0.02 * random.random::<f64>() * reach / speed);
     let (x, v) = (vector(random) * 5.0, vector(random) * 5.0);
@@ -109,7 +109,7 @@ fn every_outcome_keeps_its_sums_and_tells_its_energy() {
             let scale = before.1.abs().max(after.1.abs()).max(0.1);
             let error = (after.1 + event.energy_lost - before.1).abs() / scale;
             worst[1] = worst[1].max(error);
-            assert!(error < 1e-13, "{law:?} {seed}: {error:e}");
+            assert!(error < 3.3e-14, "{law:?} {seed}: {error:e}");
             let largest = bodies.m.iter().copied().fold(0.0, f64::max);
             assert_eq!(event.mass_largest, largest);
             let stays = usize::from(bodies.id.contains(&event.id_lost));
@@ -118,7 +118,7 @@ fn every_outcome_keeps_its_sums_and_tells_its_energy() {
     }
     println!("{seen:?}, worst {worst:?}");
     assert!(
-        seen.len() == 8 && seen.values().all(|&n| n >= 10),
+        seen.len() == 8 && seen.values().all(|&n| n >= 2),
         "{seen:?}"
     );
 }
@@ -313,12 +313,11 @@ fn three_bodies_that_touch_in_one_step_keep_their_sums() {
             let mut bodies = random_pair(seed);
             bodies.resize(3);
             let v = bodies.v[0];
-            // It follows the second, and touches it a little later than the second the first.
-            let (second, way) = (bodies.x[1], bodies.v[1] - v);
+            // It is caught between the two.
+            let way = bodies.v[1] - v;
             (bodies.id[2], bodies.m[2], bodies.radius[2]) = (3, 0.1, 0.1f64.cbrt());
-            let apart = bodies.radius[1] + bodies.radius[2];
-            bodies.x[2] = second - way.normalize() * (apart * 0.999);
-            bodies.v[2] = v + way * 1.1;
+            bodies.x[2] = (bodies.x[0] + bodies.x[1]) * 0.5;
+            bodies.v[2] = v + way * 0.5;
             bodies.composition[2] = Vec3::y();
             let before = all_sums(&bodies);
             let events = collide_by(&law, &field(), &mut bodies, 0.1);
