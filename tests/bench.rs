@@ -87,6 +87,14 @@ impl Done {
             x: order.iter().map(|&i| rows.x[i]).collect(),
             v: order.iter().map(|&i| rows.v[i]).collect(),
             m: order.iter().map(|&i| rows.m[i]).collect(),
+            spin: order
+                .iter()
+                .filter_map(|&i| rows.spin.get(i).copied())
+                .collect(),
+            composition: order
+                .iter()
+                .filter_map(|&i| rows.composition.get(i).copied())
+                .collect(),
             more,
         }
     }

@@ -13,6 +13,7 @@ mod gas {
     mod shock_tube;
 }
 mod nbody {
+    mod collisions;
     mod orbits;
 }
 mod architecture;

@@ -1,21 +1,21 @@
-//! Accretion: what comes within the star's accretion radius becomes part of the star, and bodies that touch merge.
+//! Accretion: what comes within the star's accretion radius becomes part of the star, and bodies that touch collide.
 //!
-//! Mass and momentum of the accreted go to the star; their angular momentum about it becomes spin, their kinetic
+//! Mass and momentum of the accreted go to the star; their angular momentum about it becomes its spin, their kinetic
 //! energy there is booked as dissipated.
 
-use nbody::collisions;
-use nbody::encounters::Finder;
+use nbody::collisions::{self, Collision, Field, Law};
+use nbody::encounters::{Encounter, Finder};
 use nbody::points::{Columns, Fault, Vec3};
 
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
 
-/// A conversion of particles or bodies, for the log of events.
+/// A conversion of particles or bodies, or an impact, for the log of events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     pub time: f64,
     pub kind: &'static str,
-    /// Identity that stays (the star's is 0) and the one that is gone.
+    /// Identity that stays (the star's is 0) and the other, which is gone but after a bounce or a hit-and-run.
     pub kept: u64,
     pub lost: u64,
     pub mass_kept: f64,
@@ -24,6 +24,9 @@ pub struct Event {
     /// Impact speed in units of the pair's escape speed, and angle to the normal.
     pub speed_ratio: f64,
     pub angle: f64,
+    /// Mass of the largest body afterwards, and number of new bodies.
+    pub mass_largest: f64,
+    pub fragments: u64,
 }
 
 /// Removes what lies within the star's accretion radius: gas and dust at every tick, bodies at theirs. The star receives mass at once,
@@ -84,13 +87,17 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
     if keep.iter().all(|&k| k) {
         return false;
     }
+    let mut spin = Vec3::zeros();
     let kind = ["accreted-gas", "accreted-dust", "accreted-planetesimal"][population];
     for i in (0..keep.len()).filter(|&i| !keep[i]) {
         let (big, small) = (system.star.m[0], m[i]);
         let sum = big + small;
         let (dx, dv) = (x[i] - centre, v[i] - system.star.v[0]);
         let reduced = big * small / sum;
-        system.ledger.spin += (x[i] - system.star.x[0]).cross(&(small * v[i]));
+        spin += (x[i] - system.star.x[0]).cross(&(small * v[i]));
+        if population == 2 {
+            spin += system.bodies.spin[i];
+        }
         system.ledger.dissipated += 0.5 * reduced * dv.norm_squared();
         if population == 0 {
             system.ledger.dissipated += small * system.gas.particles.u[i];
@@ -111,10 +118,13 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
             position: x[i],
             speed_ratio: dv.norm() / escape,
             angle: cosine.clamp(-1.0, 1.0).acos(),
+            mass_largest: sum,
+            fragments: 0,
         });
         system.pending_star[0] += small * dv;
         system.star.m[0] = sum;
     }
+    system.star.spin[0] += spin;
     match population {
         0 => system.gas.retain(&keep),
         1 => system.dust.retain(&keep),
@@ -129,15 +139,48 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
     true
 }
 
-/// Merges bodies that touched within their step, at the bodies' ticks.
-#[derive(Default)]
-pub struct Mergers {
+/// Does what the law of collisions says to bodies that touched within their step, at the bodies' ticks.
+pub struct Collisions {
+    law: Law,
+    /// Whether planetesimals pull each other; planets always do.
+    self_gravity: bool,
     finder: Finder,
+    touched: Vec<Encounter>,
 }
 
-impl Operator for Mergers {
+impl Collisions {
+    pub fn new(law: Law, self_gravity: bool) -> Self {
+        Self {
+            law,
+            self_gravity,
+            finder: Finder::default(),
+            touched: Vec::new(),
+        }
+    }
+
+    /// Gathers the pairs that touched in the step of `dt` that ends now, each once, at its first touch.
+    fn gather(&mut self, system: &mut System, dt: f64) {
+        let found = self.finder.encounters(&system.bodies, &system.domain, dt);
+        self.touched.clear();
+        self.touched.append(&mut system.touches);
+        if self.touched.is_empty() {
+            self.touched.extend_from_slice(found);
+            return;
+        }
+        let id = &system.bodies.id;
+        for touch in &mut self.touched {
+            touch.pair.sort_by_key(|&i| id[i]);
+        }
+        self.touched.extend_from_slice(found);
+        self.touched
+            .sort_by(|a, b| a.pair.cmp(&b.pair).then(a.time.total_cmp(&b.time)));
+        self.touched.dedup_by_key(|touch| touch.pair);
+    }
+}
+
+impl Operator for Collisions {
     fn name(&self) -> &'static str {
-        "mergers"
+        "collisions"
     }
 
     fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
@@ -146,37 +189,50 @@ impl Operator for Mergers {
             return Ok(false);
         }
         let dt = f64::from(system.clock.tick - system.pace.begin) * system.clock.unit();
-        let encounters = self.finder.encounters(&system.bodies, &system.domain, dt);
-        if encounters.is_empty() {
+        self.gather(system, dt);
+        if self.touched.is_empty() {
             return Ok(false);
         }
-        // Impulses on their way go to whoever carries the momentum after the merger.
+        // Impulses on their way go to whoever carries the momentum after the collision.
         system.settle_impulses();
-        let outcome = collisions::merge(
-            &mut system.bodies,
-            encounters,
-            &system.domain,
-            system.g,
-            system.clock.time(),
-        );
+        let field = Field {
+            domain: system.domain,
+            g: system.g,
+            self_gravity: self.self_gravity,
+            now: system.clock.time(),
+        };
+        let (bodies, next_id) = (&mut system.bodies, &mut system.next_id);
+        let outcome = collisions::collide(bodies, &self.touched, &self.law, &field, next_id);
+        if outcome.events.is_empty() {
+            return Ok(true);
+        }
         for event in &outcome.events {
-            system.ledger.spin += event.spin;
             system.ledger.dissipated += event.energy_lost;
-            let place = system.bodies.id.iter().position(|&id| id == event.id_kept);
-            system.events.push(Event {
-                time: event.time,
-                kind: "merger",
-                kept: event.id_kept,
-                lost: event.id_lost,
-                mass_kept: event.mass_kept,
-                mass_lost: event.mass_lost,
-                position: place.map_or_else(Vec3::zeros, |i| system.bodies.x[i]),
-                speed_ratio: event.speed,
-                angle: event.angle,
-            });
+            system.events.push(Event::from(event));
         }
         system.bodies.retain(&outcome.keep);
+        system.pending_bodies.clear();
+        // An integrator that remembers other velocities has to begin anew: one number is no state of any.
+        system.memory.truncate(1);
         system.look();
         Ok(true)
+    }
+}
+
+impl From<&Collision> for Event {
+    fn from(event: &Collision) -> Self {
+        Self {
+            time: event.time,
+            kind: event.kind.name(),
+            kept: event.id_kept,
+            lost: event.id_lost,
+            mass_kept: event.mass_kept,
+            mass_lost: event.mass_lost,
+            position: event.position,
+            speed_ratio: event.speed,
+            angle: event.angle,
+            mass_largest: event.mass_largest,
+            fragments: event.fragments as u64,
+        }
     }
 }

@@ -12,6 +12,7 @@ use crate::System;
 pub struct Totals {
     pub mass: f64,
     pub momentum: Vec3,
+    /// Of the orbits, and of the spins of bodies.
     pub angular_momentum: Vec3,
     pub kinetic: f64,
     pub internal: f64,
@@ -119,7 +120,11 @@ impl Census {
 
     fn by(system: &System, totals: impl Fn(&[f64], &[Vec3], &[Vec3], &[f64]) -> Totals) -> Self {
         let (gas, dust) = (&system.gas.particles, &system.dust.particles);
-        let bodies = |b: &Bodies| totals(&b.m, &b.x, &b.v, &[]);
+        let bodies = |b: &Bodies| {
+            let mut total = totals(&b.m, &b.x, &b.v, &[]);
+            total.angular_momentum += spin(&b.spin);
+            total
+        };
         let mut totals = [
             totals(&gas.m, &gas.x, &gas.v, &gas.u),
             totals(&dust.m, &dust.x, &dust.v, &[]),
@@ -143,6 +148,12 @@ impl Census {
     }
 }
 
+fn spin(spin: &[Vec3]) -> Vec3 {
+    sum::ordered(spin.len(), Vec3::zeros(), |range| {
+        range.fold(Vec3::zeros(), |sum, i| sum + spin[i])
+    })
+}
+
 /// What one operator has changed since the start, by population.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
@@ -163,9 +174,7 @@ pub struct Ledger {
     pub radiated: f64,
     /// Mass accreted by the star: gas, dust, planetesimals.
     pub accreted: [f64; 3],
-    /// Angular momentum that accretion and mergers turned into spin.
-    pub spin: Vec3,
-    /// Kinetic and potential energy that accretion and mergers turned into heat nobody follows.
+    /// Kinetic and potential energy that accretion and collisions turned into heat and rotation, which nobody follows.
     pub dissipated: f64,
     /// Momentum and angular momentum that drag took out of the system because feedback is off.
     pub given_away: Totals,
@@ -247,14 +256,13 @@ impl Ledger {
             e => e,
         };
         let momentum_error = (now.momentum + lost.momentum - start.momentum).norm();
-        let angular_error = (now.angular_momentum + self.spin + lost.angular_momentum
-            - start.angular_momentum)
-            .norm();
+        let angular_error =
+            (now.angular_momentum + lost.angular_momentum - start.angular_momentum).norm();
         Report {
             time,
             mass: system.0.map(|t| t.mass),
             momentum: now.momentum,
-            angular_momentum: now.angular_momentum + self.spin,
+            angular_momentum: now.angular_momentum,
             kinetic: now.kinetic,
             internal: now.internal,
             potential,

@@ -6,6 +6,7 @@ use dust::Dust;
 use gas::Gas;
 use nalgebra::Matrix3;
 use nbody::Bodies;
+use nbody::encounters::Encounter;
 use nbody::points::{Clock, Domain, Vec3, sum};
 use rayon::prelude::*;
 
@@ -135,6 +136,10 @@ pub struct System {
     pub bodies_step: f64,
     /// What an integrator of bodies remembers between steps; empty for those that remember nothing.
     pub memory: Vec<f64>,
+    /// The identity that the next new body has.
+    pub next_id: u64,
+    /// Pairs of bodies that an integrator found touching inside the step that ends now, beside those on straight paths.
+    pub touches: Vec<Encounter>,
     /// Whether potentials are wanted at this tick.
     pub reporting: bool,
     /// What has happened since the events were last written.
@@ -165,10 +170,23 @@ impl System {
             longest: f64::INFINITY,
             bodies_step: f64::INFINITY,
             memory: Vec::new(),
+            next_id: 0,
+            touches: Vec::new(),
             reporting: false,
             events: Vec::new(),
             potential: 0.0,
         }
+    }
+
+    /// Begins the count of new bodies' identities after all that there are.
+    pub fn number_on(&mut self) {
+        let ids = [
+            &self.star.id,
+            &self.bodies.id,
+            &self.gas.particles.id,
+            &self.dust.particles.id,
+        ];
+        self.next_id = ids.into_iter().flatten().max().map_or(0, |last| last + 1);
     }
 
     /// Whether a step that ends at `end` ends now.

@@ -25,6 +25,10 @@ columns! {
         m: Real = Label::snapshot("Masses", Dimension::MASS, "mass"),
         /// physical radius; for a star the accretion radius
         radius: Real = Label::snapshot("Radii", Dimension::LENGTH, "physical radius; for a star the accretion radius"),
+        /// angular momentum of rotation
+        spin: Vector = Label::snapshot("Spins", Dimension::ANGULAR_MOMENTUM, "angular momentum of rotation"),
+        /// mass fractions of ice, rock and iron; empty unless the scene follows them
+        composition: Vector = Label::snapshot("Compositions", Dimension::NONE, "mass fractions of ice, rock and iron").optional(),
         /// softening length of gravity (Plummer)
         softening: Real = Label::checkpoint("Softenings", Dimension::LENGTH, "softening length of gravity"),
         /// a [`Kind`]

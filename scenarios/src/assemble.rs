@@ -2,7 +2,7 @@
 //!
 //! Ids are consecutive over all populations: the star has 0, then come planets, planetesimals, gas and dust.
 
-use coupling::accretion::{Accretion, Mergers};
+use coupling::accretion::{Accretion, Collisions};
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftRadau, DriftStraight};
 use coupling::gravity::{Gravity, Plan, Softening};
@@ -12,7 +12,7 @@ use nbody::gravity as solver;
 use nbody::points::Columns;
 
 use crate::populate;
-use crate::scene::{self, Collisions, Integrator, Mass, Scene, TimeStep};
+use crate::scene::{self, Integrator, Mass, Scene, TimeStep};
 
 /// A system and its operators.
 pub struct Assembly {
@@ -26,6 +26,7 @@ pub struct Assembly {
 pub fn start(scene: &Scene) -> Result<System, populate::Refusal> {
     let mut system = System::new(scene.domain, scene.gravity.constant, 0.0);
     populate::fill(scene, &mut system)?;
+    system.number_on();
     system.look();
     Ok(system)
 }
@@ -86,10 +87,11 @@ fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Inte
     if wanted != Integrator::Auto {
         return wanted;
     }
+    let first = system.clock.step == 0;
     let few = system.bodies.len() <= 16 && system.gas.is_empty() && system.dust.is_empty();
     let (choice, reason) = if !system.star.is_empty() {
         (Integrator::WisdomHolman, "a star dominates")
-    } else if few && (system.clock.step == 0 || !system.memory.is_empty()) {
+    } else if few && first || !first && !system.memory.is_empty() {
         (
             Integrator::GaussRadau,
             "there is no star and there are few bodies",
@@ -229,13 +231,9 @@ fn operators(
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
         list.push(Box::new(Accretion));
     }
-    if scene
-        .planetesimals
-        .as_ref()
-        .is_some_and(|p| p.collisions == Collisions::Merge)
-        && system.bodies.len() > 1
-    {
-        list.push(Box::new(Mergers::default()));
+    let law = scene.planetesimals.as_ref().and_then(populate::collisions);
+    if let Some(law) = law.filter(|_| system.bodies.len() > 1) {
+        list.push(Box::new(Collisions::new(law, self_gravity(scene))));
     }
     list
 }
@@ -254,6 +252,13 @@ fn mutual(scene: &Scene) -> bool {
     fluids
         .iter()
         .all(|&a| fluids.iter().all(|&b| pulls[a][b] == pulls[b][a]))
+}
+
+/// Whether planetesimals pull each other.
+fn self_gravity(scene: &Scene) -> bool {
+    let pulls = &scene.gravity.pulls;
+    scene.gravity.method != scene::GravityMethod::None
+        && pulls.has(Mass::Planetesimals, Mass::Planetesimals)
 }
 
 /// Who pulls whom, how softly and how exactly.

@@ -12,7 +12,7 @@ use crate::hdf::{
 };
 
 /// Changes whenever what a checkpoint holds changes its meaning.
-pub const SCHEMA: u64 = 1;
+pub const SCHEMA: u64 = 2;
 
 /// A fact that is no column.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,7 +183,7 @@ impl Checkpoint {
                     v.len()
                 }
             };
-            if found != n {
+            if found != n && !(label.optional && found == 0) {
                 let place = path_of(&group, label.name);
                 return Err(Trouble::Wrong(format!(
                     "{place} has {found} entries instead of {n}"

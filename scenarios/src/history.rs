@@ -175,9 +175,10 @@ impl LedgerRow {
     }
 }
 
-/// Columns of `events.csv`: `kind` is "merger", "accreted-gas", ...; `speed_ratio` is the impact speed by the pair's escape speed, `angle` that
-/// between the velocity and the line of centres, radians.
-pub const EVENT_HEAD: [&str; 11] = [
+/// Columns of `events.csv`: `kind` is "merger", "bounce", "erosion", "accreted-gas", ...; `speed_ratio` is the impact speed by the pair's escape
+/// speed, `angle` that between the velocity and the line of centres, radians; `mass_largest` is the mass of the largest body afterwards,
+/// `fragments` the number of new bodies.
+pub const EVENT_HEAD: [&str; 13] = [
     "time",
     "kind",
     "kept",
@@ -189,6 +190,8 @@ pub const EVENT_HEAD: [&str; 11] = [
     "z",
     "speed_ratio",
     "angle",
+    "mass_largest",
+    "fragments",
 ];
 
 /// Adds an event's line to its table.
@@ -209,9 +212,11 @@ pub fn push_event(event: &Event, table: &mut Table) -> io::Result<()> {
             x.z,
             event.speed_ratio,
             event.angle,
+            event.mass_largest,
         ]
         .map(cell),
     );
+    cells.push(event.fragments.to_string());
     table.push(&cells)
 }
 

@@ -10,7 +10,7 @@ use nbody::points::{Columns, Dimension, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
 use crate::run::RunError;
-use crate::scene::Scene;
+use crate::scene::{Collisions, Scene};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -86,6 +86,10 @@ fn populations(system: &System) -> String {
 /// What a reader could expect and the scene leaves out.
 fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
     let gas = !system.gas.is_empty();
+    let breaking = scene
+        .planetesimals
+        .as_ref()
+        .is_some_and(|p| matches!(p.collisions, Collisions::Fragment { .. }));
     let lacks = [
         (system.star.is_empty(), "a star"),
         (!gas, "gas"),
@@ -112,7 +116,10 @@ fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             !system.dust.is_empty(),
             "growth and fragmentation of grains",
         ),
-        (!system.bodies.is_empty(), "fragmentation of bodies"),
+        (
+            !system.bodies.is_empty() && !breaking,
+            "fragmentation of bodies",
+        ),
     ];
     lacks
         .into_iter()

@@ -5,6 +5,7 @@ use std::fmt;
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
 use gas::{Eos, Gas, Hydro, KernelKind, Particles, Viscosity};
+use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
 use nbody::points::random::Purpose;
@@ -120,6 +121,38 @@ pub fn body_law(scene: &Scene, bodies: &scene::Planetesimals) -> StoppingLaw {
         scene::BodyDrag::Adachi => StoppingLaw::Adachi(molecules(scene)),
         scene::BodyDrag::ConstantStoppingTime(t) => StoppingLaw::ConstantStoppingTime(t),
         scene::BodyDrag::Quadratic(coefficient) => StoppingLaw::Quadratic(coefficient),
+    }
+}
+
+/// What happens to bodies that touch; none if nothing does.
+pub fn collisions(bodies: &scene::Planetesimals) -> Option<Law> {
+    match bodies.collisions {
+        scene::Collisions::None => None,
+        scene::Collisions::Merge => Some(Law::Merge),
+        scene::Collisions::Bounce {
+            restitution,
+            tangential_restitution,
+        } => Some(Law::Bounce(Restitution {
+            normal: restitution,
+            tangential: tangential_restitution,
+        })),
+        scene::Collisions::Fragment {
+            fragment_mass,
+            most_fragments,
+            c_star,
+            mu,
+            reference_density,
+        } => Some(Law::Fragment(
+            Strength {
+                offset: c_star,
+                coupling: mu,
+                density: reference_density,
+            },
+            Limits {
+                least: fragment_mass,
+                most: most_fragments,
+            },
+        )),
     }
 }
 
@@ -244,7 +277,13 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
     file.softening.fill(softening);
     let first = ids.take(file.len());
     number(&mut file.id, first);
+    let mixture = scene.planetesimals.as_ref().and_then(|p| p.composition);
+    let given = std::mem::take(&mut file.composition);
     append(&mut bodies, &file);
+    if let Some(mixture) = mixture {
+        bodies.composition = vec![Vec3::from(mixture); bodies.len() - given.len()];
+        bodies.composition.extend(given);
+    }
     system.bodies = bodies;
 }
 

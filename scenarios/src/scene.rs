@@ -265,6 +265,8 @@ pub struct Planetesimals {
     pub time_step: TimeStep,
     pub drag: BodyDrag,
     pub collisions: Collisions,
+    /// Mass fractions of ice, rock and iron at the start; `None`: not followed.
+    pub composition: Option<[f64; 3]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -284,10 +286,25 @@ pub enum BodyDrag {
     Quadratic(f64),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Collisions {
     None,
     Merge,
+    /// Speed along and across the line of centres after by that before.
+    Bounce {
+        restitution: f64,
+        tangential_restitution: f64,
+    },
+    Fragment {
+        /// Of the smallest fragment.
+        fragment_mass: f64,
+        /// Of one impact, beside the largest remnant.
+        most_fragments: usize,
+        /// c* and mu of the scaling laws, and the density that they refer to.
+        c_star: f64,
+        mu: f64,
+        reference_density: f64,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -38,12 +38,11 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// With the columns of a set that users see.
+    /// With the columns of a set that users see; optional ones that are empty are left out.
     pub fn with(mut self, set: &'a impl Columns) -> Self {
-        let seen = set
-            .list()
-            .into_iter()
-            .filter(|(label, _)| label.keep == Keep::Snapshot);
+        let seen = set.list().into_iter().filter(|(label, column)| {
+            label.keep == Keep::Snapshot && !(label.optional && column.is_empty())
+        });
         self.columns.extend(seen);
         self
     }

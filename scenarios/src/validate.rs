@@ -253,7 +253,7 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
                 "needs a [star], about which the orbits are",
             );
         }
-        if bodies.collisions == Collisions::Merge {
+        if bodies.collisions != Collisions::None {
             complaints.say(
                 "planetesimals.integrator",
                 "cannot follow close encounters; collisions need \"auto\", \"leapfrog\" or \"gauss-radau\"",
@@ -270,10 +270,19 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             "must be greater than 0: the law \"adachi\" needs the bodies' size",
         );
     }
-    if sizeless && bodies.collisions == Collisions::Merge {
+    if sizeless && bodies.collisions != Collisions::None {
         complaints.say(
             "planetesimals.density",
             "must be greater than 0: collisions need the bodies' size",
+        );
+    }
+    if let Collisions::Fragment { fragment_mass, .. } = bodies.collisions
+        && bodies.number > 0
+        && fragment_mass > bodies.mass
+    {
+        complaints.say(
+            "planetesimals.collisions.fragment_mass",
+            "is more than the mass of a planetesimal: nothing could break",
         );
     }
     if bodies.number > 0 && matches!(scene.domain.boundary, Boundary::Periodic { .. }) {

@@ -342,6 +342,34 @@ fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
     match bodies.collisions {
         Collisions::None => text.text("outcome", "none"),
         Collisions::Merge => text.text("outcome", "merge"),
+        Collisions::Bounce {
+            restitution,
+            tangential_restitution,
+        } => {
+            text.text("outcome", "bounce");
+            text.number("restitution", restitution);
+            text.number("tangential_restitution", tangential_restitution);
+        }
+        Collisions::Fragment {
+            fragment_mass,
+            most_fragments,
+            c_star,
+            mu,
+            reference_density,
+        } => {
+            text.text("outcome", "fragment");
+            text.number("fragment_mass", fragment_mass);
+            text.raw("most_fragments", most_fragments);
+            text.number("c_star", c_star);
+            text.number("mu", mu);
+            text.number("reference_density", reference_density);
+        }
+    }
+    if let Some([ice, rock, iron]) = bodies.composition {
+        text.table("planetesimals.composition");
+        text.number("ice", ice);
+        text.number("rock", rock);
+        text.number("iron", iron);
     }
 }
 

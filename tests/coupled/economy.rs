@@ -17,7 +17,7 @@ fn a_scene_of_planetesimals_has_nothing_of_gas_and_dust() {
     let assembly = assembled("nbody/belt.toml");
     assert_eq!(
         assembly.splitting.names(),
-        ["gravity", "kick bodies", "drift bodies", "mergers"]
+        ["gravity", "kick bodies", "drift bodies", "collisions"]
     );
     let (gas, dust) = (&assembly.system.gas, &assembly.system.dust);
     let sets: [&dyn Columns; 6] = [
@@ -55,7 +55,7 @@ fn a_scene_of_all_has_all() {
         "drift dust",
         "drift bodies",
         "accretion",
-        "mergers",
+        "collisions",
     ];
     assert_eq!(names, all);
 }

@@ -29,6 +29,7 @@ impl Dimension {
     pub const SPECIFIC_ENERGY: Self = Self::new(2, 0, -2, 0);
     pub const SPECIFIC_POWER: Self = Self::new(2, 0, -3, 0);
     pub const RATE: Self = Self::new(0, 0, -1, 0);
+    pub const ANGULAR_MOMENTUM: Self = Self::new(2, 1, -1, 0);
 
     pub const fn new(length: i8, mass: i8, time: i8, temperature: i8) -> Self {
         Self {
@@ -56,9 +57,19 @@ pub struct Label {
     pub dimension: Dimension,
     pub keep: Keep,
     pub text: &'static str,
+    /// Whether the column may be empty in a set that is not: it stays so until it is filled.
+    pub optional: bool,
 }
 
 impl Label {
+    /// The same column where it may be empty.
+    pub const fn optional(self) -> Self {
+        Self {
+            optional: true,
+            ..self
+        }
+    }
+
     /// A column that users see in snapshots.
     pub const fn snapshot(name: &'static str, dimension: Dimension, text: &'static str) -> Self {
         Self {
@@ -66,6 +77,7 @@ impl Label {
             dimension,
             keep: Keep::Snapshot,
             text,
+            optional: false,
         }
     }
 
@@ -76,6 +88,7 @@ impl Label {
             dimension,
             keep: Keep::Checkpoint,
             text,
+            optional: false,
         }
     }
 }
@@ -98,6 +111,28 @@ pub enum ColumnMut<'a> {
     Short(&'a mut Vec<u32>),
 }
 
+impl ColumnRef<'_> {
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Self::Real(v) => v.is_empty(),
+            Self::Vector(v) => v.is_empty(),
+            Self::Integer(v) => v.is_empty(),
+            Self::Short(v) => v.is_empty(),
+        }
+    }
+}
+
+impl ColumnMut<'_> {
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Self::Real(v) => v.is_empty(),
+            Self::Vector(v) => v.is_empty(),
+            Self::Integer(v) => v.is_empty(),
+            Self::Short(v) => v.is_empty(),
+        }
+    }
+}
+
 /// Buffers that a permutation needs, kept between calls so that steady state allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
@@ -107,7 +142,7 @@ pub struct Scratch {
     short: Vec<u32>,
 }
 
-/// A set of columns of equal length.
+/// A set of columns of equal length; those that are optional may be empty instead.
 pub trait Columns {
     /// All columns, in the order of their declaration.
     fn list(&self) -> Vec<(Label, ColumnRef<'_>)>;
@@ -132,7 +167,10 @@ pub trait Columns {
             self.len(),
             "a permutation names every particle once"
         );
-        for (_, column) in self.list_mut() {
+        for (label, column) in self.list_mut() {
+            if label.optional && column.is_empty() {
+                continue;
+            }
             match column {
                 ColumnMut::Real(v) => gather(v, order, &mut scratch.real),
                 ColumnMut::Vector(v) => gather(v, order, &mut scratch.vector),
@@ -155,9 +193,12 @@ pub trait Columns {
         }
     }
 
-    /// Makes every column `n` long; new entries are zero.
+    /// Makes every column `n` long, but for optional ones that are empty; new entries are zero.
     fn resize(&mut self, n: usize) {
-        for (_, column) in self.list_mut() {
+        for (label, column) in self.list_mut() {
+            if label.optional && column.is_empty() {
+                continue;
+            }
             match column {
                 ColumnMut::Real(v) => v.resize(n, 0.0),
                 ColumnMut::Vector(v) => v.resize(n, Vec3::zeros()),
@@ -302,6 +343,8 @@ mod tests {
             x: Vector = Label::snapshot("Coordinates", Dimension::LENGTH, "position"),
             /// masses
             m: Real = Label::checkpoint("Masses", Dimension::MASS, "mass"),
+            /// charges, if anybody has one
+            q: Real = Label::snapshot("Charges", Dimension::NONE, "charge").optional(),
         }
     }
 
@@ -310,7 +353,22 @@ mod tests {
             id: vec![7, 8, 9],
             x: (0..3).map(|i| Vec3::repeat(f64::from(i))).collect(),
             m: vec![0.0, 1.0, 2.0],
+            q: Vec::new(),
         }
+    }
+
+    #[test]
+    fn an_optional_column_is_empty_until_it_is_filled() {
+        let mut set = three();
+        set.resize(4);
+        set.permute(&[3, 2, 1, 0], &mut Scratch::default());
+        set.retain(&[true, true, true, false]);
+        assert_eq!((set.len(), set.q.capacity()), (3, 0));
+        set.q = vec![1.0, 2.0, 3.0];
+        set.resize(4);
+        set.permute(&[3, 2, 1, 0], &mut Scratch::default());
+        set.retain(&[true, true, false, true]);
+        assert_eq!(set.q, [0.0, 3.0, 1.0]);
     }
 
     #[test]

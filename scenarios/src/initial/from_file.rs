@@ -57,7 +57,10 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Start, Refusal> {
             1 => start.bodies = bodies(rows, Kind::Planetesimal),
             2 => start.dust = dust(rows, scene).map_err(refuse)?,
             _ if rows.len() > 1 => return Err(refuse("a scene has one star".into())),
-            _ => start.star = bodies(rows, Kind::Star),
+            _ => {
+                start.star = bodies(rows, Kind::Star);
+                start.star.composition.clear();
+            }
         }
     }
     Ok(start)
@@ -159,6 +162,8 @@ fn bodies(rows: &Rows, kind: Kind) -> Bodies {
         v: rows.v.clone(),
         m: rows.m.clone(),
         radius,
+        spin: rows.spin.clone(),
+        composition: rows.composition.clone(),
         ..Default::default()
     };
     bodies.resize(rows.len());

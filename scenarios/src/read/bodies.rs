@@ -40,6 +40,7 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
         time_step: time_step(&section),
         drag: drag(&section, facts, number),
         collisions: collisions(&section),
+        composition: composition(&section),
     };
     if number > 0 && !facts.has_star {
         section.wrong("number", "needs a [star] to orbit");
@@ -147,12 +148,111 @@ fn integrator(section: &Section<'_>) -> Integrator {
         .unwrap_or(Integrator::Auto)
 }
 
+const RESTITUTION: Range = Range {
+    test: |e| (0.0..=1.0).contains(&e),
+    text: "from 0 to 1",
+};
+
+const TANGENTIAL_RESTITUTION: Range = Range {
+    test: |e| (-1.0..=1.0).contains(&e),
+    text: "from -1 (the spheres' surfaces turn round) to 1 (smooth spheres)",
+};
+
+const COUPLING: Range = Range {
+    test: |mu| (1.0 / 3.0..=2.0 / 3.0).contains(&mu),
+    text: "from 1/3 to 2/3",
+};
+
+/// Fragments of one impact, beside the largest remnant, unless the scene says otherwise.
+const MOST_FRAGMENTS: usize = 30;
+
 fn collisions(bodies: &Section<'_>) -> Collisions {
     let section = bodies.section("collisions");
-    let options = [("none", Collisions::None), ("merge", Collisions::Merge)];
-    let outcome = section.choice("outcome", &options, &["bounce", "fragment"]);
+    let options = [("none", 0), ("merge", 1), ("bounce", 2), ("fragment", 3)];
+    let outcome = section.choice("outcome", &options, &[]);
+    let refused = outcome.is_none() && section.has("outcome");
+    let outcome = outcome.unwrap_or(0);
+    let belongs = |only: i32, keys: &[&'static str], sentence: &str| {
+        if refused {
+            section.pass_over(keys);
+        } else if outcome != only {
+            section.misplaced(keys, sentence);
+        }
+    };
+    belongs(
+        2,
+        &["restitution", "tangential_restitution"],
+        "belongs to outcome = \"bounce\"",
+    );
+    belongs(
+        3,
+        &[
+            "fragment_mass",
+            "most_fragments",
+            "c_star",
+            "mu",
+            "reference_density",
+        ],
+        "belongs to outcome = \"fragment\"",
+    );
+    let collisions = match outcome {
+        0 => Collisions::None,
+        1 => Collisions::Merge,
+        2 => Collisions::Bounce {
+            restitution: section.number("restitution", RESTITUTION).unwrap_or(1.0),
+            tangential_restitution: section
+                .number("tangential_restitution", TANGENTIAL_RESTITUTION)
+                .unwrap_or(1.0),
+        },
+        _ => fragmentation(&section),
+    };
     section.close();
-    outcome.unwrap_or(Collisions::None)
+    collisions
+}
+
+fn fragmentation(section: &Section<'_>) -> Collisions {
+    let mass = section.quantity("fragment_mass", Kind::MASS, Range::POSITIVE);
+    let what = "the mass of the smallest fragment, such as \"1e-4 Mearth\"";
+    let density = section.quantity("reference_density", Kind::DENSITY, Range::POSITIVE);
+    let density = density.or_else(|| match rock(section, 1.0) {
+        0.0 => None,
+        density => Some(density),
+    });
+    let referred = "the density that the scaling laws refer to, 1 g/cm^3, in the scene's own units";
+    Collisions::Fragment {
+        fragment_mass: section.required("fragment_mass", mass, what, f64::NAN),
+        most_fragments: section
+            .whole("most_fragments", 1, 10_000)
+            .map_or(MOST_FRAGMENTS, |most| most as usize),
+        c_star: section.number("c_star", Range::POSITIVE).unwrap_or(1.9),
+        mu: section.number("mu", COUPLING).unwrap_or(0.36),
+        reference_density: section.required("reference_density", density, referred, f64::NAN),
+    }
+}
+
+/// Mass fractions of ice, rock and iron; what is left out is not there.
+fn composition(bodies: &Section<'_>) -> Option<[f64; 3]> {
+    let section = bodies.section("composition");
+    let part = Range {
+        test: |part| (0.0..=1.0).contains(&part),
+        text: "from 0 to 1",
+    };
+    let keys = ["ice", "rock", "iron"];
+    let parts = keys.map(|key| section.number(key, part));
+    let refused = keys
+        .iter()
+        .zip(parts)
+        .any(|(key, part)| section.has(key) && part.is_none());
+    let parts = parts.map(|part| part.unwrap_or(0.0));
+    let sum: f64 = parts.iter().sum();
+    let present = section.present;
+    if present && !refused && (sum - 1.0).abs() > 1e-9 {
+        let sentence = format!("makes {sum} in sum; the mass fractions ice, rock and iron make 1");
+        let given = keys.into_iter().find(|key| section.has(key));
+        section.wrong(given.unwrap_or("ice"), &sentence);
+    }
+    section.close();
+    present.then_some(parts)
 }
 
 fn drag(bodies: &Section<'_>, facts: &Facts, number: usize) -> BodyDrag {

@@ -69,12 +69,12 @@ pub fn write(
         "stray",
         Fact::Reals(flat(&[system.stray.impulse, system.stray.torque])),
     );
+    draft.fact("next id", Fact::Integer(system.next_id));
     draft.fact("integrator", Fact::Reals(system.memory.clone()));
     let ledger = &system.ledger;
     draft.fact("ledger initial", Fact::Reals(census_reals(&ledger.initial)));
     let mut sums = vec![ledger.initial_potential, ledger.radiated, ledger.dissipated];
     sums.extend(ledger.accreted);
-    sums.extend(ledger.spin.as_slice());
     sums.extend(totals_reals(&ledger.given_away));
     draft.fact("ledger sums", Fact::Reals(sums));
     draft.fact(
@@ -153,6 +153,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         impulse: stray[0],
         torque: stray[1],
     };
+    system.next_id = file.integer("next id")?;
     system.memory = file.reals("integrator")?;
     read_ledger(&file, &mut system)?;
     let (cpu, counts) = (file.reals("cpu_s")?, file.integers("counts")?);
@@ -177,8 +178,7 @@ fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> 
     let sums = file.reals("ledger sums")?;
     (ledger.initial_potential, ledger.radiated, ledger.dissipated) = (sums[0], sums[1], sums[2]);
     ledger.accreted = [sums[3], sums[4], sums[5]];
-    ledger.spin = Vec3::new(sums[6], sums[7], sums[8]);
-    ledger.given_away = totals_of(&sums[9..]);
+    ledger.given_away = totals_of(&sums[6..]);
     let uses = file.integers("floors")?;
     (ledger.floors, ledger.lopsided) = (uses[0], uses[1]);
     let changes = file.reals("operators' changes")?;

@@ -21,6 +21,9 @@ pub struct Particles {
     pub x: Vec<Vec3>,
     pub v: Vec<Vec3>,
     pub m: Vec<f64>,
+    /// Angular momenta of rotation, and mass fractions of ice, rock and iron; empty if the file has none.
+    pub spin: Vec<Vec3>,
+    pub composition: Vec<Vec3>,
     /// What else the file has, under our own names: `InternalEnergies`, `SmoothingLengths`, ...
     pub more: BTreeMap<&'static str, Vec<f64>>,
 }
@@ -218,12 +221,25 @@ fn particles(
         }
         None => Vec::new(),
     };
+    let vectors = |name: &str, dimension: Dimension| {
+        if !group.link_exists(name) {
+            return Ok(Vec::new());
+        }
+        let values = vectors(group, name, factor(dimension))?;
+        same_length(group, name, values.len(), n)?;
+        Ok::<_, Trouble>(values)
+    };
+    let spin = vectors("Spins", Dimension::ANGULAR_MOMENTUM)?;
+    let composition = vectors("Compositions", Dimension::NONE)?;
+    fractions(group, &composition)?;
     Ok(Particles {
         part_type,
         id,
         x,
         v,
         m,
+        spin,
+        composition,
         more,
     })
 }
@@ -304,6 +320,19 @@ fn not_negative(group: &Group, name: &str, values: &[f64]) -> Result<()> {
             Err(Trouble::Wrong(format!(
                 "{place}: entry {i} (from 0) is negative, {}",
                 values[i]
+            )))
+        }
+        None => Ok(()),
+    }
+}
+
+fn fractions(group: &Group, mixtures: &[Vec3]) -> Result<()> {
+    let whole = |mixture: &Vec3| mixture.min() >= 0.0 && (mixture.sum() - 1.0).abs() <= 1e-6;
+    match mixtures.iter().position(|mixture| !whole(mixture)) {
+        Some(i) => {
+            let place = path_of(group, "Compositions");
+            Err(Trouble::Wrong(format!(
+                "{place}: entry {i} (from 0) is no set of mass fractions that make 1"
             )))
         }
         None => Ok(()),
