@@ -40,6 +40,8 @@ pub struct Scene<'a> {
     pub potential: bool,
     /// separation in units of a group's size below which pairs are summed in f64
     pub closest: f64,
+    /// length within which pairs are summed in f64 whatever the group's size
+    pub resolved: f64,
     pub level: Level,
 }
 
@@ -179,19 +181,20 @@ impl<E: Real> Cluster<E> {
         // A lone target has no size; it takes the smallest whose fourth power f32 can span the whole with.
         let unit = (0.5 * (hi - lo).norm()).max(1e-8 * (root.hi - root.lo).norm());
         let unit = if unit > 0.0 { unit } else { 1.0 };
+        let closest = scene.closest.max(scene.resolved / unit);
         Active {
             first,
             end: self.targets.len(),
             region: Region {
                 lo,
                 hi,
-                near: scene.closest * unit,
+                near: closest * unit,
                 home,
             },
             frame: Frame {
                 centre: 0.5 * (lo + hi),
                 scale: 1.0 / unit,
-                closest: scene.closest,
+                closest,
             },
             criterion: scene.criterion,
             typical: 0.0,
