@@ -9,6 +9,7 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
+use cpu_time::ProcessTime;
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::integrators::hybrid::{Hybrid, Map, cutoff::Cutoff, soft::Soft};
 use nbody::orbit::Elements;
@@ -99,14 +100,9 @@ fn energy(star: &Bodies, bodies: &Bodies) -> f64 {
     kinetic + star + mutual
 }
 
-/// CPU time of all threads of this process.
+/// CPU time of all threads.
 fn cpu() -> f64 {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten();
-    let of = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
-        text.split(' ').next()?.parse::<f64>().ok()
-    };
-    1e-9 * tasks.flatten().filter_map(of).sum::<f64>()
+    ProcessTime::now().as_duration().as_secs_f64()
 }
 
 struct Row {
