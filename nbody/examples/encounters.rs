@@ -94,9 +94,19 @@ fn energy(star: &Bodies, bodies: &Bodies) -> f64 {
     let (mut a, mut phi) = (vec![Vec3::zeros(); zeros.len()], zeros.clone());
     direct.build(&bodies.x, &bodies.m, &zeros);
     direct.field(&active, &mut a, &mut phi);
-    let kinetic: f64 = m.iter().zip(&v).map(|(m, v)| 0.5 * m * v.norm_squared()).sum();
-    let star: f64 = (1..m.len()).map(|i| -m[0] * m[i] / (x[i] - x[0]).norm()).sum();
-    let mutual: f64 = phi.iter().zip(&bodies.m).map(|(phi, m)| 0.5 * m * phi).sum();
+    let kinetic: f64 = m
+        .iter()
+        .zip(&v)
+        .map(|(m, v)| 0.5 * m * v.norm_squared())
+        .sum();
+    let star: f64 = (1..m.len())
+        .map(|i| -m[0] * m[i] / (x[i] - x[0]).norm())
+        .sum();
+    let mutual: f64 = phi
+        .iter()
+        .zip(&bodies.m)
+        .map(|(phi, m)| 0.5 * m * phi)
+        .sum();
     kinetic + star + mutual
 }
 
@@ -187,7 +197,10 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let case = arguments.first().map_or("disc", String::as_str);
     let disc = case == "disc";
-    let sizes = list(arguments.get(1), if disc { &[100.0, 300.0] } else { &[1e4] });
+    let sizes = list(
+        arguments.get(1),
+        if disc { &[100.0, 300.0] } else { &[1e4] },
+    );
     let years = list(arguments.get(2), if disc { &[100.0] } else { &[1.1] });
     println!(
         "| case | steps/yr | Hill radii | crossings | force error | CPU s/yr | wall s/yr | us a body and step | end | max error | mergers | % in clusters | biggest |"

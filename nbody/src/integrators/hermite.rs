@@ -138,7 +138,11 @@ impl Hermite {
     fn set_off(&mut self, i: usize) -> Result<(), Stall> {
         let [a, j] = self.pulls[i];
         let (a, j) = (a.norm(), j.norm());
-        let wanted = if j > 0.0 { 0.1 * self.eta.sqrt() * a / j } else { f64::INFINITY };
+        let wanted = if j > 0.0 {
+            0.1 * self.eta.sqrt() * a / j
+        } else {
+            f64::INFINITY
+        };
         self.begin[i] = self.now;
         self.step[i] = self.block(i, wanted, SPAN)?;
         Ok(())

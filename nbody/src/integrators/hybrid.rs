@@ -39,7 +39,9 @@ use neighbours::{Neighbours, Swarm};
 pub enum Reason {
     #[error(transparent)]
     Orbit(#[from] kepler::Refusal),
-    #[error("meets another so closely that no step is short enough; bodies with radii would collide")]
+    #[error(
+        "meets another so closely that no step is short enough; bodies with radii would collide"
+    )]
     Meeting,
 }
 
@@ -273,7 +275,12 @@ impl Hybrid {
 
     /// Twice the median of the last cut-offs: pairs within are to be exact in a field that is softened afterwards.
     pub fn typical(&self) -> f64 {
-        let mut some: Vec<f64> = self.cutoffs.iter().step_by(1 + self.cutoffs.len() / 1000).copied().collect();
+        let mut some: Vec<f64> = self
+            .cutoffs
+            .iter()
+            .step_by(1 + self.cutoffs.len() / 1000)
+            .copied()
+            .collect();
         if some.is_empty() {
             return 0.0;
         }
@@ -331,7 +338,11 @@ impl Map {
 
 fn kick(bodies: &mut Bodies, dt: f64) {
     if bodies.v.len() <= CHUNK {
-        bodies.v.iter_mut().zip(&bodies.a).for_each(|(v, a)| *v += a * dt);
+        bodies
+            .v
+            .iter_mut()
+            .zip(&bodies.a)
+            .for_each(|(v, a)| *v += a * dt);
     } else {
         super::kick(&mut bodies.v, &bodies.a, dt);
     }

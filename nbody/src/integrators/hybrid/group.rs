@@ -61,7 +61,11 @@ impl Group {
     #[inline(always)]
     pub fn pull(&self, i: usize, j: usize, r2: f64) -> f64 {
         let (a, b) = (&self.bodies[i], &self.bodies[j]);
-        let c = if a.cutoff > b.cutoff { a.cutoff } else { b.cutoff };
+        let c = if a.cutoff > b.cutoff {
+            a.cutoff
+        } else {
+            b.cutoff
+        };
         if r2 >= c * c || r2 == 0.0 {
             return 0.0;
         }

@@ -65,8 +65,13 @@ impl Hard {
         self.v.resize(n, Vec3::zeros());
         self.touches.clear();
         let threads = rayon::current_num_threads().max(1);
-        self.workers.resize_with(threads.max(self.workers.len()), Mutex::default);
-        let (xs, vs, workers) = (Parts::new(&mut self.x), Parts::new(&mut self.v), &self.workers);
+        self.workers
+            .resize_with(threads.max(self.workers.len()), Mutex::default);
+        let (xs, vs, workers) = (
+            Parts::new(&mut self.x),
+            Parts::new(&mut self.v),
+            &self.workers,
+        );
         let solve = |k: usize| -> Result<(), Stalled> {
             let range = clusters.range(k);
             // SAFETY: the ranges of clusters are disjoint.
@@ -127,7 +132,9 @@ impl Worker {
                 let kept = pair[0];
                 let lost = group.bind(pair, hermite.now as f64 * unit);
                 hermite.remove(lost);
-                hermite.active.retain(|&i| (i as usize) < group.bodies.len());
+                hermite
+                    .active
+                    .retain(|&i| (i as usize) < group.bodies.len());
                 hermite.place(group, kept, group.bodies[kept].x, group.bodies[kept].v)?;
             }
         }

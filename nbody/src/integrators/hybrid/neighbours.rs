@@ -214,7 +214,11 @@ fn near([x, y, z, vx, vy, vz, c, wide]: &[Vec<f64>; 8], i: usize) -> u64 {
         let (dx, dy, dz) = (xs[j] - x[i], ys[j] - y[i], zs[j] - z[i]);
         let (du, dv, dw) = (us[j] - vx[i], vs[j] - vy[i], ws[j] - vz[i]);
         let reach = if cs[j] > c[i] { cs[j] } else { c[i] };
-        let wide = if wides[j] > wide[i] { wides[j] } else { wide[i] };
+        let wide = if wides[j] > wide[i] {
+            wides[j]
+        } else {
+            wide[i]
+        };
         let d2 = dx * dx + dy * dy + dz * dz;
         let w2 = du * du + dv * dv + dw * dw;
         count += u64::from(d2 < wide * (reach * reach + w2));
@@ -240,7 +244,7 @@ mod tests {
             let mut vector = || Vec3::from_fn(|_, _| random.random::<f64>());
             let x: Vec<Vec3> = (0..n).map(|_| vector()).collect();
             let v: Vec<Vec3> = (0..n).map(|_| vector() - Vec3::repeat(0.5)).collect();
-            let mut cutoff: Vec<f64> = (0..n).map(|_| 0.02 * vector().x).collect();
+            let mut cutoff: Vec<f64> = (0..n).map(|_| 0.08 * vector().x).collect();
             cutoff[n / 2] = 0.2;
             let m: Vec<f64> = (0..n).map(|i| f64::from(i % 3 != 0)).collect();
             let bend: Vec<f64> = (0..n).map(|_| 0.1 * vector().x).collect();

@@ -207,7 +207,11 @@ impl Radau {
             strongest = self.a.iter().fold(0.0, |most, a| larger(most, a.abs()));
             let change = change / strongest;
             // The next change would be smaller by the same factor as this one is.
-            let next = if iteration == 0 { change } else { change * (change / last).min(1.0) };
+            let next = if iteration == 0 {
+                change
+            } else {
+                change * (change / last).min(1.0)
+            };
             unsettled = change;
             if next < STANDS || iteration > 1 && change >= last || change.is_nan() {
                 break;
@@ -362,7 +366,11 @@ const fn weights(double: bool) -> [f64; 7] {
     let mut k = 0;
     while k < 7 {
         let n = (k + 2) as f64;
-        weights[k] = if double { 1.0 / (n * (n + 1.0)) } else { 1.0 / n };
+        weights[k] = if double {
+            1.0 / (n * (n + 1.0))
+        } else {
+            1.0 / n
+        };
         k += 1;
     }
     weights

@@ -5,8 +5,8 @@
 
 use fearless_simd::{Level, dispatch};
 
-use super::changeover::soft_part;
 use super::Hybrid;
+use super::changeover::soft_part;
 use crate::bodies::{Bodies, Kind};
 use crate::gravity::{Gravity, Settings};
 use crate::points::Vec3;
@@ -58,7 +58,8 @@ impl Soft {
         let n = bodies.m.len();
         let planet = |i: usize| bodies.kind[i] == Kind::Planet as u32;
         self.m.clear();
-        self.m.extend((0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] }));
+        self.m
+            .extend((0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] }));
         if self.active.len() != n {
             self.active.clear();
             self.active.extend(0..n as u32);

@@ -46,7 +46,11 @@ fn forward(star: &mut Bodies, bodies: &mut Bodies, dt: f64, steps: usize) -> f64
     for _ in 0..steps {
         map.step(star, bodies).expect("a way");
         let error = (energy(1.0, star, bodies) / start - 1.0).abs();
-        most = if error > most || error.is_nan() { error } else { most };
+        most = if error > most || error.is_nan() {
+            error
+        } else {
+            most
+        };
     }
     most
 }
@@ -69,15 +73,7 @@ fn miss(m: [f64; 2], dt: f64) -> f64 {
 #[test]
 fn an_encounter_leaves_the_bodies_where_gauss_radau_does() {
     let (coarse, fine) = (miss([1e-6, 2e-6], 0.06), miss([1e-6, 2e-6], 0.03));
-    println!("{coarse:e} {fine:e}");
-    assert!(coarse < 1e-4 && fine < 0.5 * coarse);
-}
-
-#[test]
-fn massless_and_nearly_massless_bodies_are_led_past_a_heavy_one() {
-    let (none, little) = (miss([0.0, 2e-6], 0.03), miss([2e-18, 2e-6], 0.03));
-    println!("{none:e} {little:e}");
-    assert!(none < 1e-4 && (none - little).abs() < 1e-9);
+    assert!(coarse < 5e-6 && fine < 2.4e-6, "{coarse:e} {fine:e}");
 }
 
 #[test]
@@ -87,9 +83,8 @@ fn the_energy_error_falls_with_the_square_of_the_step() {
         forward(&mut star, &mut bodies, dt, (12.0 / dt) as usize)
     };
     let (coarse, fine) = (error(0.04), error(0.02));
-    println!("{coarse:e} {fine:e}");
     let order = (coarse / fine).log2();
-    assert!(order > 1.5, "{order}");
+    assert!((order - 2.0).abs() < 0.1 && fine < 4e-8, "{order} {fine:e}");
 }
 
 /// A dense ring in which many meet.
@@ -115,7 +110,7 @@ fn the_same_bits_come_out_for_any_number_of_threads() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("threads").install(|| {
-            let (mut star, mut bodies) = ring(4000, 1e-9, 2e-5);
+            let (mut star, mut bodies) = ring(4000, 1e-8, 2e-5);
             let mut map = map(0.02, true);
             map.prepare(&star, &mut bodies);
             let mut touches = Vec::new();
@@ -141,19 +136,24 @@ fn a_step_begun_with_fresh_buffers_gives_the_same_bits() {
     whole.step(&mut star, &mut bodies).expect("a way");
     let (mut other_star, mut other) = (star.clone(), bodies.clone());
     whole.step(&mut star, &mut bodies).expect("a way");
-    map(0.02, true).step(&mut other_star, &mut other).expect("a way");
+    map(0.02, true)
+        .step(&mut other_star, &mut other)
+        .expect("a way");
     assert_eq!((bodies.x, bodies.v), (other.x, other.v));
 }
 
 #[test]
 fn two_that_fall_on_each_other_stop_at_their_touch_with_their_energy() {
     let m = [3e-6, 1e-6];
-    let (mut star, mut bodies) = (sun(1.0), set(
-        Kind::Planetesimal,
-        &m,
-        &[[1.0, 0.0, 0.0], [1.001, 0.0, 0.0]],
-        &[[0.0, 1.0, 0.0], [-0.02, 1.0, 0.0]],
-    ));
+    let (mut star, mut bodies) = (
+        sun(1.0),
+        set(
+            Kind::Planetesimal,
+            &m,
+            &[[1.0, 0.0, 0.0], [1.001, 0.0, 0.0]],
+            &[[0.0, 1.0, 0.0], [-0.02, 1.0, 0.0]],
+        ),
+    );
     bodies.radius = vec![2e-4, 1e-4];
     let start = energy(1.0, &star, &bodies);
     let mut map = map(0.05, true);
@@ -167,8 +167,7 @@ fn two_that_fall_on_each_other_stop_at_their_touch_with_their_energy() {
     assert!((d / 3e-4 - 1.0).abs() < 1e-8, "{d:e}");
     // In falling from 1e-3 to 3e-4 they gained more than a hundred times this.
     let error = (energy(1.0, &star, &bodies) - start).abs() / (0.5 * 0.75e-6 * 4e-4);
-    println!("{error:e}");
-    assert!(error < 1e-2, "{error:e}");
+    assert!(error < 2.7e-6, "{error:e}");
 }
 
 #[test]
