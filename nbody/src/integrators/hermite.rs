@@ -151,12 +151,12 @@ impl Hermite {
     /// The longest power of two of ticks that is not longer than `wanted` and `longest` and ends where such steps end.
     fn block(&self, i: usize, wanted: f64, longest: u64) -> Result<u64, Stall> {
         let ticks = wanted / self.unit;
-        if !(ticks >= 1.0) {
+        if ticks < 1.0 || ticks.is_nan() {
             return Err(Stall { place: i });
         }
         let ticks = (ticks.min(longest as f64)) as u64;
         let mut step = 1 << ticks.ilog2();
-        while self.now % step != 0 {
+        while !self.now.is_multiple_of(step) {
             step /= 2;
         }
         Ok(step)

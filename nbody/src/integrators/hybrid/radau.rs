@@ -64,7 +64,7 @@ impl Radau {
         while time < dt {
             let left = dt - time;
             let h = cut(wanted, left);
-            if !(h > 1e-14 * dt) {
+            if h <= 1e-14 * dt || h.is_nan() {
                 return Err(Stall);
             }
             self.begin(group);
@@ -157,6 +157,7 @@ impl Radau {
     }
 
     /// The last polynomial, shifted to a step `q` times as long, plus what the last prediction lacked; nothing for `q` = 0.
+    #[allow(clippy::needless_range_loop)] // the sums run over triangles of two tables at once
     fn predict(&mut self, q: f64) {
         for block in &mut self.blocks {
             if q == 0.0 {

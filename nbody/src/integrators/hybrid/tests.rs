@@ -174,7 +174,7 @@ fn two_that_fall_on_each_other_stop_at_their_touch_with_their_energy() {
 fn bodies_at_the_same_place_stay_together() {
     let (mut star, mut bodies) = overtaking([1e-6, 1e-6]);
     (bodies.x[1], bodies.v[1]) = (bodies.x[0], bodies.v[0]);
-    let error = forward(&mut star, &mut bodies, 0.05, 20);
-    assert!(error.is_nan() || error < 1e-5);
+    forward(&mut star, &mut bodies, 0.05, 20);
+    assert!(((bodies.x[0] - star.x[0]).norm() - 1.0).abs() < 1e-4);
     assert_eq!(bodies.x[0], bodies.x[1]);
 }
