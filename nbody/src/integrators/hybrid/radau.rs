@@ -231,6 +231,7 @@ impl Radau {
     }
 
     /// Corrects both forms of the polynomial by the accelerations at spacing N; returns the largest change of g.
+    #[allow(clippy::needless_range_loop)] // k counts in tables and lanes at once
     fn correct<const N: usize>(&mut self) -> f64 {
         let mut most = [0.0; LANES];
         for (block, a) in self.blocks.iter_mut().zip(self.a.chunks_exact(LANES)) {
