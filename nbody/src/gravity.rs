@@ -99,6 +99,8 @@ pub struct Gravity {
     place: Vec<u32>,
     /// for each place along the curve one more than its number among the active, or zero
     slot: Vec<u32>,
+    /// pairs within this length are summed in f64
+    resolved: f64,
 }
 
 impl Gravity {
@@ -121,7 +123,13 @@ impl Gravity {
             lenses: Vec::new(),
             place: Vec::new(),
             slot: Vec::new(),
+            resolved: 0.0,
         }
+    }
+
+    /// Has pairs of particles that are not further apart than `length` summed in f64, for those who take parts of their force off again.
+    pub fn resolve(&mut self, length: f64) {
+        self.resolved = length;
     }
 
     /// The rms relative error that the settings amount to, roughly if they give an opening angle.
@@ -260,6 +268,7 @@ impl Gravity {
             tolerance,
             potential: !potential.is_empty(),
             closest: self.closest(),
+            resolved: self.resolved,
             level: self.level,
         };
         let unit = self.settings.constant * self.sources.total;

@@ -11,6 +11,8 @@
 
 pub mod central;
 pub mod gauss_radau;
+pub mod hermite;
+pub mod hybrid;
 pub mod leapfrog;
 #[cfg(test)]
 mod problems;

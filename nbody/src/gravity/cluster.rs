@@ -39,6 +39,8 @@ pub struct Scene<'a> {
     pub potential: bool,
     /// separation in units of a group's size below which pairs are summed in f64
     pub closest: f64,
+    /// length within which pairs are summed in f64 whatever the group's size
+    pub resolved: f64,
     pub level: Level,
 }
 
@@ -181,7 +183,7 @@ impl<E: Real> Cluster<E> {
             region: Region {
                 lo,
                 hi,
-                near: scene.closest / frame.scale,
+                near: frame.closest / frame.scale,
                 home,
             },
             frame,
@@ -224,7 +226,7 @@ impl<E: Real> Cluster<E> {
     fn sample(&mut self, scene: &Scene, cluster: &Region) {
         let frame = frame(scene, cluster.lo, cluster.hi);
         let region = Region {
-            near: scene.closest / frame.scale,
+            near: frame.closest / frame.scale,
             ..*cluster
         };
         let widest = Criterion::Widest;
@@ -283,7 +285,7 @@ fn frame(scene: &Scene, lo: Vec3, hi: Vec3) -> Frame {
     Frame {
         centre: 0.5 * (lo + hi),
         scale: 1.0 / unit,
-        closest: scene.closest,
+        closest: scene.closest.max(scene.resolved / unit),
     }
 }
 

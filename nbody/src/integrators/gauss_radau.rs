@@ -7,7 +7,7 @@
 //! Source: Everhart (1985); Rein & Spiegel (2015).
 
 mod checkpoint;
-mod spacings;
+pub(super) mod spacings;
 
 use thiserror::Error;
 

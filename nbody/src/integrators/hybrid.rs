@@ -1,0 +1,349 @@
+//! Hybrid map for star, planets and planetesimals with close encounters (P3T): soft forces in the kick, hard ones in the drift.
+//!
+//! H = [sum(m u^2/2 - G M m/q) - sum (1 - K) G m m/r] + |sum m u|^2/(2 M) - sum K G m m/r in democratic heliocentric coordinates, K the
+//! changeover at each pair's cut-off. Kick by the soft forces (half); jump; the bracket: bodies without a neighbour go along their Kepler
+//! orbit, clusters of neighbours are integrated; jump; kick. Second order in dt, with an error of order m/M times the step's part of
+//! the time to cross a cut-off, squared. Momentum is kept to rounding. Touching pairs are stopped, bound together and told.
+//! Source: Duncan, Levison & Lee (1998); Chambers (1999); Oshino, Funato & Makino (2011); Ishigaki et al. (2021).
+
+pub mod changeover;
+mod clusters;
+pub mod cutoff;
+mod group;
+mod hard;
+mod neighbours;
+mod radau;
+pub mod soft;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::SVector;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::leapfrog;
+use crate::bodies::{Bodies, Kind};
+use crate::encounters::Encounter;
+use crate::kepler;
+use crate::points::Vec3;
+use crate::points::sum::{self, CHUNK};
+use changeover::soft_part;
+use clusters::Clusters;
+use cutoff::{Centre, Cutoff};
+use group::Member;
+use hard::Hard;
+use neighbours::{Neighbours, Swarm};
+
+/// Why a body cannot be moved.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum Reason {
+    #[error(transparent)]
+    Orbit(#[from] kepler::Refusal),
+    #[error(
+        "meets another so closely that no step is short enough; bodies with radii would collide"
+    )]
+    Meeting,
+}
+
+/// A body that cannot be moved: its place among the bodies, and why. The other bodies may have moved already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stuck {
+    pub place: usize,
+    pub reason: Reason,
+}
+
+/// The map; keeps its buffers, but nothing of a step, between calls.
+#[derive(Debug, Default)]
+pub struct Hybrid {
+    pub cutoff: Cutoff,
+    /// Whether bodies touch; else they are points.
+    pub touching: bool,
+    /// Pairs that touched in the last drift, in the order of time, then ids. They lie at their touch; times count from the end.
+    pub touches: Vec<Encounter>,
+    /// Cut-off of each body in the last call.
+    pub cutoffs: Vec<f64>,
+    bend: Vec<f64>,
+    neighbours: Neighbours,
+    clusters: Clusters,
+    hard: Hard,
+}
+
+/// Mass, mass times position, mass times velocity.
+type Moments = SVector<f64, 7>;
+
+fn moment(m: f64, x: &Vec3, v: &Vec3) -> Moments {
+    Moments::from([m, m * x.x, m * x.y, m * x.z, m * v.x, m * v.y, m * v.z])
+}
+
+fn moments(m: &[f64], x: &[Vec3], v: &[Vec3]) -> Moments {
+    sum::ordered(m.len(), Moments::zeros(), |range| {
+        range.fold(Moments::zeros(), |sum, i| sum + moment(m[i], &x[i], &v[i]))
+    })
+}
+
+/// Changes each of `x` and `v`; few are done by the caller's own thread.
+fn each(x: &mut [Vec3], v: &mut [Vec3], change: impl Fn(&mut Vec3, &mut Vec3) + Sync) {
+    if x.len() <= CHUNK {
+        x.iter_mut().zip(v).for_each(|(x, v)| change(x, v));
+    } else {
+        let all = x.par_iter_mut().zip(v).with_min_len(CHUNK);
+        all.for_each(|(x, v)| change(x, v));
+    }
+}
+
+impl Hybrid {
+    pub fn new(cutoff: Cutoff, touching: bool) -> Self {
+        Self {
+            cutoff,
+            touching,
+            ..Self::default()
+        }
+    }
+
+    /// Moves star and bodies by `dt` > 0 without their soft forces; without a star, bodies alone go straight.
+    pub fn drift(
+        &mut self,
+        star: &mut Bodies,
+        bodies: &mut Bodies,
+        g: f64,
+        dt: f64,
+    ) -> Result<(), Stuck> {
+        self.touches.clear();
+        if star.m.is_empty() {
+            leapfrog::drift(bodies, dt);
+            return Ok(());
+        }
+        let (m_star, x_star, v_star) = (star.m[0], star.x[0], star.v[0]);
+        let own = moments(&bodies.m, &bodies.x, &bodies.v);
+        let total = moment(m_star, &x_star, &v_star) + own;
+        let x_cm = total.fixed_rows::<3>(1) / total[0];
+        let v_cm = total.fixed_rows::<3>(4) / total[0];
+        // The bodies' momentum over the star's mass is the star's velocity turned round.
+        let jump = (v_cm - v_star) * (0.5 * dt);
+        let to_star = jump - x_star;
+        each(&mut bodies.x, &mut bodies.v, |x, v| {
+            *x += to_star;
+            *v -= v_cm;
+        });
+        self.cross(bodies, [g * m_star, g], dt)?;
+        let about = moments(&bodies.m, &bodies.x, &bodies.v);
+        let recoil = about.fixed_rows::<3>(4) / m_star;
+        let jump = recoil * (0.5 * dt);
+        let lever = (about.fixed_rows::<3>(1) + jump * about[0]) / total[0];
+        (star.x[0], star.v[0]) = (x_cm + v_cm * dt - lever, v_cm - recoil);
+        let to_inertial = star.x[0] + jump;
+        each(&mut bodies.x, &mut bodies.v, |x, v| {
+            *x += to_inertial;
+            *v += v_cm;
+        });
+        Ok(())
+    }
+
+    /// The bracket of the Hamiltonian, bodies heliocentric.
+    fn cross(&mut self, bodies: &mut Bodies, [mu, g]: [f64; 2], dt: f64) -> Result<(), Stuck> {
+        self.weigh(bodies, [mu, g], dt, |i| (bodies.x[i], bodies.v[i]));
+        self.neighbours.find(&Swarm {
+            m: &bodies.m,
+            x: &bodies.x,
+            v: &bodies.v,
+            cutoff: &self.cutoffs,
+            bend: &self.bend,
+            dt,
+        });
+        self.clusters.join(bodies.m.len(), &self.neighbours.pairs);
+        let (clusters, cutoffs, touching) = (&self.clusters, &self.cutoffs, self.touching);
+        let member = |k: usize| {
+            let i = clusters.members[k] as usize;
+            Member {
+                m: bodies.m[i],
+                radius: if touching { bodies.radius[i] } else { 0.0 },
+                eps2: bodies.softening[i] * bodies.softening[i],
+                cutoff: cutoffs[i],
+                x: bodies.x[i],
+                v: bodies.v[i],
+            }
+        };
+        let done = self.hard.advance(clusters, member, [mu, g], dt);
+        done.map_err(|stalled| Stuck {
+            place: clusters.members[stalled.0] as usize,
+            reason: Reason::Meeting,
+        })?;
+        alone(mu, dt, bodies, &self.clusters.members)?;
+        for (k, &i) in self.clusters.members.iter().enumerate() {
+            (bodies.x[i as usize], bodies.v[i as usize]) = (self.hard.x[k], self.hard.v[k]);
+        }
+        self.tell(bodies, dt);
+        Ok(())
+    }
+
+    /// Lists the touches in their order.
+    fn tell(&mut self, bodies: &Bodies, dt: f64) {
+        let place = |k: usize| self.clusters.members[k] as usize;
+        let id = |i: usize| bodies.id[i];
+        self.touches.extend(self.hard.touches.iter().map(|touch| {
+            let mut pair = touch.pair.map(place);
+            pair.sort_by_key(|&i| id(i));
+            Encounter {
+                pair,
+                time: touch.time - dt,
+            }
+        }));
+        let key = |e: &Encounter| e.pair.map(id);
+        self.touches
+            .sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| key(a).cmp(&key(b))));
+    }
+
+    /// Cut-off radii, and how much the star bends relative paths in a step, of bodies whose heliocentric state is `state(i)`.
+    fn weigh(
+        &mut self,
+        bodies: &Bodies,
+        [mu, g]: [f64; 2],
+        dt: f64,
+        state: impl Fn(usize) -> (Vec3, Vec3) + Sync,
+    ) {
+        let n = bodies.m.len();
+        let centre = Centre { mu, g, dt };
+        self.cutoffs.resize(n, 0.0);
+        self.bend.resize(n, 0.0);
+        let cutoff = self.cutoff;
+        let one = |(i, (c, bend)): (usize, (&mut f64, &mut f64))| {
+            let (q, u) = state(i);
+            *c = cutoff.radius(&centre, bodies.m[i], bodies.radius[i], (q, u));
+            let q2 = q.norm_squared();
+            // Further bending than by the distance itself means nothing.
+            *bend = (mu * dt * dt / (q2 * q2.sqrt())).min(1.0);
+        };
+        let columns = self.cutoffs.iter_mut().zip(&mut self.bend);
+        if n <= CHUNK {
+            columns.enumerate().for_each(one);
+        } else {
+            let columns = self.cutoffs.par_iter_mut().zip(&mut self.bend);
+            columns.enumerate().with_min_len(CHUNK).for_each(one);
+        }
+    }
+
+    /// Chooses the cut-offs of bodies in inertial coordinates.
+    pub fn choose(&mut self, star: &Bodies, bodies: &Bodies, g: f64, dt: f64) {
+        let (Some(&m_star), Some(&x_star), Some(&v_star)) =
+            (star.m.first(), star.x.first(), star.v.first())
+        else {
+            self.cutoffs.clear();
+            self.cutoffs.resize(bodies.m.len(), 0.0);
+            self.bend.clone_from(&self.cutoffs);
+            return;
+        };
+        let total = moment(m_star, &x_star, &v_star) + moments(&bodies.m, &bodies.x, &bodies.v);
+        let v_cm = total.fixed_rows::<3>(4) / total[0];
+        self.weigh(bodies, [g * m_star, g], dt, |i| {
+            (bodies.x[i] - x_star, bodies.v[i] - v_cm)
+        });
+    }
+
+    /// Takes the hard parts of all pairs but planets' off the accelerations `a` of bodies where they are now, with the cut-offs of
+    /// [`Hybrid::choose`].
+    pub fn soften(&mut self, bodies: &mut Bodies, g: f64) {
+        self.neighbours.find(&Swarm {
+            m: &bodies.m,
+            x: &bodies.x,
+            v: &bodies.v,
+            cutoff: &self.cutoffs,
+            bend: &self.bend,
+            dt: 0.0,
+        });
+        for &[i, j] in &self.neighbours.pairs {
+            let (i, j) = (i as usize, j as usize);
+            let planet = |i: usize| bodies.kind[i] == Kind::Planet as u32;
+            let d = bodies.x[j] - bodies.x[i];
+            let c = self.cutoffs[i].max(self.cutoffs[j]);
+            let (r2, eps) = (d.norm_squared(), [i, j].map(|i| bodies.softening[i]));
+            if planet(i) || planet(j) || r2 >= c * c || r2 == 0.0 {
+                continue;
+            }
+            let q2 = r2 + (eps[0] * eps[0] + eps[1] * eps[1]);
+            let hard = 1.0 - soft_part((r2 / (c * c)).sqrt());
+            let pull = d * (g * hard / (q2 * q2.sqrt()));
+            bodies.a[i] -= pull * bodies.m[j];
+            bodies.a[j] += pull * bodies.m[i];
+        }
+    }
+
+    /// How many bodies were in clusters in the last drift, and in the largest one.
+    pub fn clustered(&self) -> (usize, usize) {
+        let sizes = (0..self.clusters.count()).map(|k| self.clusters.range(k).len());
+        (self.clusters.members.len(), sizes.max().unwrap_or(0))
+    }
+
+    /// Twice the median of the last cut-offs: pairs within are to be exact in a field that is softened afterwards.
+    pub fn typical(&self) -> f64 {
+        let mut some: Vec<f64> = self
+            .cutoffs
+            .iter()
+            .step_by(1 + self.cutoffs.len() / 1000)
+            .copied()
+            .collect();
+        if some.is_empty() {
+            return 0.0;
+        }
+        let middle = some.len() / 2;
+        2.0 * *some.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+}
+
+/// Moves everybody but the members of clusters along their Kepler orbits. Members are moved too where that is simpler: their state is
+/// replaced afterwards.
+fn alone(mu: f64, dt: f64, bodies: &mut Bodies, members: &[u32]) -> Result<(), Stuck> {
+    let one = |(place, (x, v)): (usize, (&mut Vec3, &mut Vec3))| {
+        let refusal = kepler::drift(mu, dt, x, v).err()?;
+        // A member's orbit is not this one.
+        let alone = members.iter().all(|&i| i as usize != place);
+        alone.then_some(Stuck {
+            place,
+            reason: refusal.into(),
+        })
+    };
+    let stuck = if bodies.x.len() <= CHUNK {
+        let all = bodies.x.iter_mut().zip(&mut bodies.v);
+        all.enumerate().filter_map(one).next()
+    } else {
+        let all = bodies.x.par_iter_mut().zip(&mut bodies.v);
+        let stuck = all.enumerate().with_min_len(256).filter_map(one);
+        stuck.min_by_key(|stuck| stuck.place)
+    };
+    stuck.map_or(Ok(()), Err)
+}
+
+/// Star and bodies on each other alone: the whole step, with the soft field's accelerations kept in the bodies' `a`.
+pub struct Map {
+    pub hybrid: Hybrid,
+    pub soft: soft::Soft,
+    pub g: f64,
+    pub dt: f64,
+}
+
+impl Map {
+    /// The soft accelerations at the bodies' places: before the first step, and when bodies have changed.
+    pub fn prepare(&mut self, star: &Bodies, bodies: &mut Bodies) {
+        self.soft.field(&mut self.hybrid, star, bodies, self.dt);
+    }
+
+    /// One step; afterwards `hybrid.touches` holds who touched.
+    pub fn step(&mut self, star: &mut Bodies, bodies: &mut Bodies) -> Result<(), Stuck> {
+        kick(bodies, 0.5 * self.dt);
+        self.hybrid.drift(star, bodies, self.g, self.dt)?;
+        self.prepare(star, bodies);
+        kick(bodies, 0.5 * self.dt);
+        Ok(())
+    }
+}
+
+fn kick(bodies: &mut Bodies, dt: f64) {
+    if bodies.v.len() <= CHUNK {
+        bodies
+            .v
+            .iter_mut()
+            .zip(&bodies.a)
+            .for_each(|(v, a)| *v += a * dt);
+    } else {
+        super::kick(&mut bodies.v, &bodies.a, dt);
+    }
+}

@@ -1,0 +1,159 @@
+//! The soft part: pulls of the bodies on each other by K(r/c) times Newton's, at the positions of a kick.
+//!
+//! Few bodies by all pairs in f64 with K in the sum. Many by the tree: its field is Newton's, pairs near each other exact in f64, and
+//! the hard part of each pair within its cut-off is taken off again. Planets are left out of the tree and pull pair by pair.
+
+use fearless_simd::{Level, dispatch};
+
+use super::Hybrid;
+use super::changeover::soft_part;
+use crate::bodies::{Bodies, Kind};
+use crate::gravity::{Gravity, Settings};
+use crate::points::Vec3;
+use crate::points::sum::CHUNK;
+use rayon::prelude::*;
+
+/// Up to so many bodies all pairs are summed.
+const FEW: usize = 2500;
+
+/// The soft field; keeps its tree and buffers between calls.
+pub struct Soft {
+    tree: Gravity,
+    g: f64,
+    columns: [Vec<f64>; 6],
+    sums: [Vec<f64>; 3],
+    m: Vec<f64>,
+    active: Vec<u32>,
+}
+
+impl Soft {
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            tree: Gravity::new(settings),
+            g: settings.constant,
+            columns: Default::default(),
+            sums: Default::default(),
+            m: Vec::new(),
+            active: Vec::new(),
+        }
+    }
+
+    /// Finds the soft accelerations of all bodies, into their `a`; `dt` is the step, on which cut-offs depend.
+    pub fn field(&mut self, hybrid: &mut Hybrid, star: &Bodies, bodies: &mut Bodies, dt: f64) {
+        hybrid.choose(star, bodies, self.g, dt);
+        if bodies.m.len() <= FEW {
+            self.all_pairs(&hybrid.cutoffs, bodies);
+            return;
+        }
+        self.by_tree(hybrid, bodies);
+        hybrid.soften(bodies, self.g);
+        for p in 0..bodies.m.len() {
+            if bodies.kind[p] == Kind::Planet as u32 {
+                pull_of_planet(p, &hybrid.cutoffs, self.g, bodies);
+            }
+        }
+    }
+
+    fn by_tree(&mut self, hybrid: &Hybrid, bodies: &mut Bodies) {
+        let n = bodies.m.len();
+        let planet = |i: usize| bodies.kind[i] == Kind::Planet as u32;
+        self.m.clear();
+        self.m
+            .extend((0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] }));
+        if self.active.len() != n {
+            self.active.clear();
+            self.active.extend(0..n as u32);
+        }
+        self.tree.resolve(hybrid.typical());
+        self.tree.build(&bodies.x, &self.m, &bodies.softening);
+        bodies.a.resize(n, Vec3::zeros());
+        self.tree.field(&self.active, &mut bodies.a, &mut []);
+    }
+
+    fn all_pairs(&mut self, cutoffs: &[f64], bodies: &mut Bodies) {
+        let n = bodies.m.len();
+        for (k, column) in self.columns.iter_mut().enumerate() {
+            column.clear();
+            column.extend((0..n).map(|i| match k {
+                0..3 => bodies.x[i][k],
+                3 => bodies.m[i] * self.g,
+                4 => 1.0 / cutoffs[i].max(f64::MIN_POSITIVE),
+                _ => bodies.softening[i] * bodies.softening[i],
+            }));
+        }
+        for sum in &mut self.sums {
+            sum.clear();
+            sum.resize(n, 0.0);
+        }
+        let (columns, sums) = (&self.columns, &mut self.sums);
+        let level = Level::new();
+        dispatch!(level, simd => {
+            use fearless_simd::Simd;
+            simd.vectorize(
+                #[inline(always)]
+                || (0..n).for_each(|j| add_pull(columns, j, sums)),
+            )
+        });
+        for (i, a) in bodies.a.iter_mut().enumerate() {
+            *a = Vec3::from_fn(|axis, _| self.sums[axis][i]);
+        }
+    }
+}
+
+/// Adds the soft pull of body j on everybody.
+#[inline(always)]
+fn add_pull([x, y, z, gm, c, eps2]: &[Vec<f64>; 6], j: usize, sums: &mut [Vec<f64>; 3]) {
+    let n = x.len();
+    let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
+    let (c, eps2) = (&c[..n], &eps2[..n]);
+    let [sx, sy, sz] = sums;
+    let (sx, sy, sz) = (&mut sx[..n], &mut sy[..n], &mut sz[..n]);
+    let (xj, yj, zj, gm, cj, ej) = (x[j], y[j], z[j], gm[j], c[j], eps2[j]);
+    for i in 0..n {
+        let (dx, dy, dz) = (xj - x[i], yj - y[i], zj - z[i]);
+        let r2 = dx * dx + dy * dy + dz * dz;
+        // The larger cut-off is the smaller inverse.
+        let per_cutoff = if c[i] < cj { c[i] } else { cj };
+        let k = soft_part(r2.sqrt() * per_cutoff);
+        // K is zero at the body itself: a floor keeps the quotient finite.
+        let q2 = r2 + (eps2[i] + ej) + 1e-200;
+        let pull = gm * k / (q2 * q2.sqrt());
+        sx[i] += pull * dx;
+        sy[i] += pull * dy;
+        sz[i] += pull * dz;
+    }
+}
+
+/// Adds the soft pull of planet `p` on everybody and theirs on it; other planets' pulls on it come with them.
+fn pull_of_planet(p: usize, cutoffs: &[f64], g: f64, bodies: &mut Bodies) {
+    let (x, softening, m) = (&bodies.x, &bodies.softening, &bodies.m);
+    let pull = |i: usize| {
+        let d = x[p] - x[i];
+        let eps2 = softening[i] * softening[i] + softening[p] * softening[p];
+        d * soft_pull(g, d.norm_squared(), eps2, cutoffs[i].max(cutoffs[p]))
+    };
+    let all = bodies.a.par_iter_mut().enumerate().with_min_len(CHUNK);
+    all.filter(|&(i, _)| i != p)
+        .for_each(|(i, a)| *a += pull(i) * m[p]);
+    let small = |&i: &usize| bodies.kind[i] != Kind::Planet as u32;
+    let back = crate::points::sum::ordered(m.len(), Vec3::zeros(), |range| {
+        range
+            .filter(small)
+            .fold(Vec3::zeros(), |sum, i| sum - pull(i) * m[i])
+    });
+    bodies.a[p] += back;
+}
+
+/// The soft pull over separation and mass.
+pub fn soft_pull(g: f64, r2: f64, eps2: f64, cutoff: f64) -> f64 {
+    let q2 = r2 + eps2;
+    if r2 == 0.0 || q2 == 0.0 {
+        return 0.0;
+    }
+    let k = if r2 < cutoff * cutoff {
+        soft_part((r2 / (cutoff * cutoff)).sqrt())
+    } else {
+        1.0
+    };
+    g * k / (q2 * q2.sqrt())
+}
