@@ -14,5 +14,6 @@ mod gas {
 }
 mod nbody {
     mod orbits;
+    mod surroundings;
 }
 mod architecture;

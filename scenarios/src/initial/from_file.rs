@@ -153,12 +153,17 @@ fn bodies(rows: &Rows, kind: Kind) -> Bodies {
             .collect(),
         (None, None) => Vec::new(),
     };
+    let massless = |(&m, &rho): (&f64, &f64)| if m == 0.0 { rho } else { 0.0 };
+    let density = rows.more.get("Densities").map_or_else(Vec::new, |rho| {
+        rows.m.iter().zip(rho).map(massless).collect()
+    });
     let mut bodies = Bodies {
         id: rows.id.clone(),
         x: rows.x.clone(),
         v: rows.v.clone(),
         m: rows.m.clone(),
         radius,
+        density,
         ..Default::default()
     };
     bodies.resize(rows.len());
