@@ -157,12 +157,12 @@ fn unbound_bodies_those_without_mass_and_those_beyond_the_edges_feel_nothing() {
 
 #[test]
 fn a_prescribed_migration_moves_the_axis_exponentially_and_keeps_the_shape() {
-    let mut system = system(&[(1e-9, orbit(0.2, 0.1)), (1e-9, orbit(0.3, 0.2))]);
+    let mut system = system(&[(0.0, orbit(0.2, 0.1)), (0.0, orbit(0.3, 0.2))]);
     let time = 400.0 * TAU;
     let law = Migration::new([(2, 5000.0)]);
     advance(&mut system, Box::new(External::new(law)), 0.05, time);
     let (still, moved) = (elements(&system, 0), elements(&system, 1));
-    assert!((still.semi_major_axis - 1.0).abs() < 1e-7);
+    assert!((still.semi_major_axis - 1.0).abs() < 1e-12);
     let growth = moved.semi_major_axis.ln() * 5000.0 / time;
     println!("growth {growth}, e {}", moved.eccentricity);
     // What is left is the change within an orbit, of order e P/tau at the end points.
