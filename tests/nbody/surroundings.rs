@@ -97,7 +97,7 @@ fn quadratic_drag_changes_a_e_and_i_at_the_rates_of_gausss_equations() {
                     found / wanted - 1.0
                 };
                 assert!(
-                    error.abs() < 0.01,
+                    error.abs() < 1.2e-3,
                     "e {e} i {i}: {name} {found:e} for {wanted:e}"
                 );
             }
@@ -186,7 +186,7 @@ fn mercurys_perihelion_advances_by_43_arcseconds_a_century() {
     // A Julian century has 1/1.0000196 of a hundred years of sqrt(au^3/G M).
     let century = arcseconds / 1.204198 / 1.0000196;
     println!("{century} arcseconds a century");
-    assert!((century / 42.98 - 1.0).abs() < 1e-3, "{century}");
+    assert!((century / 42.98 - 1.0).abs() < 4e-4, "{century}");
 }
 
 /// A belt of test particles between two planets: no pull among them in the tree, and the same orbits by both integrators.

@@ -126,9 +126,9 @@ fn a_body_drifts_and_is_damped_at_the_rates_of_the_formula() {
             "{name}: {found:e} for {wanted:e}, off by {:e}",
             found / wanted - 1.0
         );
-        // Terms of e^2, i^2 and of the decay within the time: below 0.5 %.
+        // Terms of e^2, i^2 and of the decay within the time; 6e-5 was measured.
         assert!(
-            (found / wanted - 1.0).abs() < 5e-3,
+            (found / wanted - 1.0).abs() < 1.2e-4,
             "{name}: {found} {wanted}"
         );
     }
@@ -166,9 +166,9 @@ fn a_prescribed_migration_moves_the_axis_exponentially_and_keeps_the_shape() {
     let growth = moved.semi_major_axis.ln() * 5000.0 / time;
     println!("growth {growth}, e {}", moved.eccentricity);
     // What is left is the change within an orbit, of order e P/tau at the end points.
-    assert!((growth - 1.0).abs() < 5e-3, "{growth}");
+    assert!((growth - 1.0).abs() < 4e-4, "{growth}");
     assert!(
-        (moved.eccentricity / 0.3 - 1.0).abs() < 5e-3
+        (moved.eccentricity / 0.3 - 1.0).abs() < 1e-3
             && (moved.inclination / 0.2 - 1.0).abs() < 1e-6
     );
 }
