@@ -113,8 +113,8 @@ fn static_pulls_conserve_all_with_the_star() {
         advance(&mut system, operator, step, 20.0);
         assert!((system.star.v[0] - star).norm() > 1e-5, "the star recoils");
         let report = report(&system);
-        assert!(report.error_momentum < 2e-13, "{report:?}");
-        assert!(report.error_angular_momentum < 4.6e-13, "{report:?}");
+        assert!(report.error_momentum < 2e-12, "{report:?}");
+        assert!(report.error_angular_momentum < 4.6e-12, "{report:?}");
         report.error_energy.abs()
     };
     let relativity = || -> Box<dyn Operator> {
@@ -127,11 +127,9 @@ fn static_pulls_conserve_all_with_the_star() {
         ("relativity", &relativity as &dyn Fn() -> Box<dyn Operator>),
         ("oblateness", &oblateness),
     ] {
-        let errors = [0.05, 0.025].map(|step| energy(make(), step));
+        let errors = [0.04, 0.01, 0.0025].map(|step| energy(make(), step));
         println!("{name}: energy errors {errors:?}");
-        assert!(
-            errors[0] < 9e-5 && errors[0] / errors[1] > 3.0,
-            "{name}: {errors:?}"
-        );
+        // Two quarterings of the step are worth 256; at a single time the error may happen to lie near zero.
+        assert!(errors[2] < 0.05 * errors[0], "{name}: {errors:?}");
     }
 }
