@@ -28,6 +28,12 @@ pub fn run(name: &str, overrides: &[&str]) -> Done {
     go(scene)
 }
 
+/// Runs a scene given as text.
+pub fn run_text(text: &str) -> Done {
+    let scene = Scene::parse(text, "trial", Path::new("."), &[]);
+    go(scene.unwrap_or_else(|problems| panic!("{problems:?}")))
+}
+
 fn go(scene: Scene) -> Done {
     let folder = TempDir::new().expect("a folder");
     let options = Options {

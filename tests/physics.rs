@@ -15,5 +15,6 @@ mod gas {
 mod nbody {
     mod collisions;
     mod orbits;
+    mod surroundings;
 }
 mod architecture;

@@ -171,14 +171,18 @@ impl Operator for DriftRadau {
         }
         meter.enter(Phase::Bodies);
         let n = system.star.x.len() + system.bodies.x.len();
-        meter.count(n, 0);
         let begin = system.clock.time() - elapsed(system);
         let mut integrator = match GaussRadau::restored(&system.memory) {
             Some(integrator) if !self.kicked && integrator.x().len() == n => integrator,
             _ => GaussRadau::of(begin, &system.star, &system.bodies),
         };
         let pairs = Pairs::of(system);
-        let done = integrator.advance_to(system.clock.time(), |x, a| pairs.add(x, a));
+        let mut sums = 0;
+        let done = integrator.advance_to(system.clock.time(), |x, a| {
+            sums += 1;
+            pairs.add(x, a);
+        });
+        meter.count(n, sums * pairs.interactions());
         done.map_err(|stall| Fault::Stuck {
             population: Population::Planetesimals,
             id: 0,
@@ -192,34 +196,59 @@ impl Operator for DriftRadau {
     }
 }
 
-/// Masses and softening lengths of star and bodies, for the direct sum.
+/// Masses and softening lengths of star and bodies, for the direct sum. Massless bodies feel, but do not pull.
 struct Pairs {
     g: f64,
     m: Vec<f64>,
     softening: Vec<f64>,
+    /// Places of those with mass, and of those without.
+    massive: Vec<usize>,
+    massless: Vec<usize>,
 }
 
 impl Pairs {
     fn of(system: &System) -> Self {
         let both = |star: &[f64], bodies: &[f64]| star.iter().chain(bodies).copied().collect();
+        let m: Vec<f64> = both(&system.star.m, &system.bodies.m);
+        let (massive, massless) = (0..m.len()).partition(|&i| m[i] > 0.0);
         Self {
             g: system.g,
-            m: both(&system.star.m, &system.bodies.m),
             softening: both(&system.star.softening, &system.bodies.softening),
+            m,
+            massive,
+            massless,
         }
     }
 
+    /// Pulls a sum over all pairs takes; a pair of masses pulls both ways at once.
+    fn interactions(&self) -> u64 {
+        let massive = self.massive.len() as u64;
+        massive * massive.saturating_sub(1) / 2 + massive * self.massless.len() as u64
+    }
+
     fn add(&self, x: &[Vec3], a: &mut [Vec3]) {
-        for i in 0..x.len() {
-            for j in 0..i {
-                let d = x[j] - x[i];
-                let soft =
-                    self.softening[i] * self.softening[i] + self.softening[j] * self.softening[j];
-                let r2 = d.norm_squared() + soft;
-                let f = d * (self.g / (r2 * r2.sqrt()));
+        for (k, &i) in self.massive.iter().enumerate() {
+            for &j in &self.massive[..k] {
+                let f = self.pull(x, i, j);
                 a[i] += f * self.m[j];
                 a[j] -= f * self.m[i];
             }
         }
+        for &i in &self.massless {
+            for &j in &self.massive {
+                a[i] += self.pull(x, i, j) * self.m[j];
+            }
+        }
+    }
+
+    /// The pull on i towards j by mass of j.
+    fn pull(&self, x: &[Vec3], i: usize, j: usize) -> Vec3 {
+        let d = x[j] - x[i];
+        let soft = self.softening[i] * self.softening[i] + self.softening[j] * self.softening[j];
+        let r2 = d.norm_squared() + soft;
+        d * (self.g / (r2 * r2.sqrt()))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -166,7 +166,7 @@ impl Field {
     }
 
     /// Lists the targets that are active now, in the order of the tree's points.
-    fn choose(&mut self, system: &System) -> [usize; 3] {
+    fn choose(&mut self, system: &System, plan: &Plan) -> [usize; 3] {
         let numbers = self.built.unwrap_or_default();
         self.active.clear();
         let mut ends = [0; 3];
@@ -176,8 +176,12 @@ impl Field {
                 let active = |i: usize| match k {
                     0 => system.active(system.gas.particles.end[i]),
                     1 => system.active(system.dust.particles.end[i]),
-                    // Planets feel nothing through the tree: they receive what they do to others.
-                    _ => system.bodies_active() && system.bodies.kind[i] != Kind::Planet as u32,
+                    // Planets feel nothing through the tree: they receive what they do to others, unless they do nothing.
+                    _ => {
+                        let planet = system.bodies.kind[i] == Kind::Planet as u32;
+                        let idle = system.bodies.m[i] == 0.0 && plan.pulls[PLANETESIMALS][PLANETS];
+                        system.bodies_active() && (!planet || idle)
+                    }
                 };
                 self.active.extend(
                     (0..numbers[k])
@@ -192,8 +196,8 @@ impl Field {
     }
 
     /// Finds the field at the active targets and hands it to them.
-    fn act(&mut self, system: &mut System, meter: &mut dyn Meter) {
-        let ends = self.choose(system);
+    fn act(&mut self, system: &mut System, plan: &Plan, meter: &mut dyn Meter) {
+        let ends = self.choose(system, plan);
         let n = self.active.len();
         self.acceleration.resize(n, Vec3::zeros());
         self.potential
@@ -233,11 +237,11 @@ pub struct Heavy {
     pub star: bool,
 }
 
-/// The stars and planets of the system, where they are seen now.
+/// The stars and planets of the system that pull, where they are seen now.
 pub fn heavies(system: &System) -> Vec<Heavy> {
     let of = |bodies: &Bodies, x: &[Vec3], star: bool| -> Vec<Heavy> {
         (0..bodies.x.len())
-            .filter(|&i| star || bodies.kind[i] == Kind::Planet as u32)
+            .filter(|&i| star || (bodies.kind[i] == Kind::Planet as u32 && bodies.m[i] > 0.0))
             .map(|i| Heavy {
                 x: x[i],
                 m: bodies.m[i],
@@ -286,7 +290,7 @@ impl Operator for Gravity {
             meter.enter(Phase::Tree);
             field.update(system, &self.plan);
             meter.enter(Phase::Gravity);
-            field.act(system, meter);
+            field.act(system, &self.plan, meter);
         }
         meter.enter(Phase::Gravity);
         let heavies = heavies(system);
@@ -309,10 +313,14 @@ fn add_mutual_potentials(system: &mut System) {
     let (bodies, x, g) = (&mut system.bodies, &system.seen.x, system.g);
     let small = |i: usize| bodies.kind[i] != Kind::Planet as u32;
     let softening = &bodies.softening;
+    // Only masses pull: without this, test particles would cost the square of their number.
+    let sources: Vec<usize> = (0..x.len())
+        .filter(|&j| small(j) && bodies.m[j] > 0.0)
+        .collect();
     let phi = |i: usize| -> f64 {
-        let others = (0..x.len()).filter(|&j| j != i && small(j));
+        let others = sources.iter().filter(|&&j| j != i);
         others
-            .map(|j| {
+            .map(|&j| {
                 -bodies.m[j]
                     / ((x[j] - x[i]).norm_squared() + softening[i].powi(2) + softening[j].powi(2))
                         .sqrt()

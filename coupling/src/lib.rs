@@ -5,6 +5,7 @@
 pub mod accretion;
 pub mod drag;
 pub mod drift;
+pub mod external;
 pub mod gravity;
 pub mod kick;
 pub mod ledger;

@@ -1,5 +1,7 @@
 //! Bodies: stars, planets and planetesimals; point masses with a radius.
 
+use std::f64::consts::PI;
+
 use crate::columns;
 use crate::points::{Dimension, Label};
 
@@ -29,6 +31,8 @@ columns! {
         spin: Vector = Label::snapshot("Spins", Dimension::ANGULAR_MOMENTUM, "angular momentum of rotation"),
         /// mass fractions of ice, rock and iron; empty unless the scene follows them
         composition: Vector = Label::snapshot("Compositions", Dimension::NONE, "mass fractions of ice, rock and iron").optional(),
+        /// material density of a body without mass; zero where mass and radius give it
+        density: Real = Label::checkpoint("MaterialDensities", Dimension::DENSITY, "material density of a body without mass"),
         /// softening length of gravity (Plummer)
         softening: Real = Label::checkpoint("Softenings", Dimension::LENGTH, "softening length of gravity"),
         /// a [`Kind`]
@@ -39,5 +43,17 @@ columns! {
         potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential"),
         /// acceleration at the last kick, without the star's pull
         a: Vector = Label::checkpoint("KickAccelerations", Dimension::ACCELERATION, "acceleration at the last kick, without the star's pull"),
+    }
+}
+
+impl Bodies {
+    /// Mean density of body `i`; zero for a point.
+    pub fn mean_density(&self, i: usize) -> f64 {
+        let (m, radius) = (self.m[i], self.radius[i]);
+        if m == 0.0 || radius == 0.0 {
+            self.density[i]
+        } else {
+            0.75 * m / (PI * radius.powi(3))
+        }
     }
 }

@@ -5,6 +5,9 @@
 use coupling::accretion::{Accretion, Collisions};
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftRadau, DriftStraight};
+use coupling::external::{
+    Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
+};
 use coupling::gravity::{Gravity, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::{Operator, Splitting, System};
@@ -118,7 +121,8 @@ fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
     if let TimeStep::Fixed(dt) = scene.run.time_step {
         return dt;
     }
-    if integrator == Integrator::GaussRadau || system.bodies.is_empty() || system.star.is_empty() {
+    let free = integrator == Integrator::GaussRadau && !scene.has_surroundings();
+    if free || system.bodies.is_empty() || system.star.is_empty() {
         return f64::INFINITY;
     }
     let (star_x, star_v) = (system.star.x[0], system.star.v[0]);
@@ -185,7 +189,11 @@ fn operators(
             scene.coupling.feedback,
         )));
     }
-    if moving && (integrator != Integrator::GaussRadau || gas || dust) {
+    let kicked = gas || dust || scene.has_surroundings();
+    if moving && !system.bodies.is_empty() {
+        list.extend(surroundings(scene));
+    }
+    if moving && (integrator != Integrator::GaussRadau || kicked) {
         list.push(Box::new(KickBodies {
             step,
             mutual: mutual(scene),
@@ -225,7 +233,7 @@ fn operators(
         list.push(match integrator {
             Integrator::WisdomHolman | Integrator::Auto => Box::new(DriftKepler::default()),
             Integrator::Leapfrog => Box::new(DriftStraight),
-            Integrator::GaussRadau => Box::new(DriftRadau::new(gas || dust, step)),
+            Integrator::GaussRadau => Box::new(DriftRadau::new(kicked, step)),
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
@@ -236,6 +244,59 @@ fn operators(
         list.push(Box::new(Collisions::new(law, self_gravity(scene))));
     }
     list
+}
+
+/// What acts on bodies by a formula.
+fn surroundings(scene: &Scene) -> Vec<Box<dyn Operator>> {
+    let mut list: Vec<Box<dyn Operator>> = Vec::new();
+    if let Some(speed_of_light) = scene.surroundings.speed_of_light {
+        list.push(Box::new(Central::new(Relativity { speed_of_light })));
+    }
+    if let Some(scene::Oblateness {
+        j2,
+        equatorial_radius,
+        pole,
+    }) = scene.surroundings.oblateness
+    {
+        list.push(Box::new(Central::new(Oblateness {
+            j2,
+            equatorial_radius,
+            pole,
+        })));
+    }
+    // Planets are the first bodies, with ids from 1 on.
+    let times = (1..).zip(&scene.planets);
+    let mut times = times
+        .filter_map(|(id, planet)| Some((id, planet.migration_time?)))
+        .peekable();
+    if times.peek().is_some() {
+        list.push(Box::new(External::new(Migration::new(times))));
+    }
+    if let Some(given) = &scene.surroundings.disk {
+        let disk = gas_disk(given);
+        if given.migration {
+            list.push(Box::new(External::new(TypeOne { disk })));
+        }
+        if given.drag != scene::BodyDrag::None {
+            let law = populate::disk_law(scene, given);
+            list.push(Box::new(External::new(DiskDrag { disk, law })));
+        }
+    }
+    list
+}
+
+/// The analytic disk of a scene.
+pub fn gas_disk(disk: &scene::GasDisk) -> GasDisk {
+    GasDisk {
+        surface_density: disk.surface_density,
+        slope: disk.slope,
+        reference_radius: disk.reference_radius,
+        aspect_ratio: disk.aspect_ratio,
+        flaring: disk.flaring,
+        inner_radius: disk.inner_radius,
+        outer_radius: disk.outer_radius,
+        rotation: disk.headwind.map_or(Rotation::Pressure, Rotation::Headwind),
+    }
 }
 
 /// Whether gas, dust, planetesimals and planets pull each other both ways or not at all, each with all of the forces in kicks.

@@ -10,7 +10,7 @@ use nbody::points::{Columns, Dimension, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
 use crate::run::RunError;
-use crate::scene::{Collisions, Scene};
+use crate::scene::{BodyDrag, Collisions, Scene};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -31,6 +31,9 @@ pub fn outline(scene: &Scene) -> Result<String, RunError> {
     remarks
         .iter()
         .for_each(|remark| line(format!("  {remark}")));
+    surroundings(scene, &system)
+        .iter()
+        .for_each(|words| line(format!("  {words}")));
     line(format!(
         "not modelled: {}",
         absent(scene, &system).join(", ")
@@ -83,6 +86,53 @@ fn populations(system: &System) -> String {
     text
 }
 
+/// What acts by a formula, and on whom.
+fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
+    let mut said = Vec::new();
+    let given = &scene.surroundings;
+    if given.speed_of_light.is_some() {
+        said.push("relativity: the star's pericentre advance of first order, on bodies".to_owned());
+    }
+    if let Some(oblateness) = &given.oblateness {
+        said.push(format!(
+            "oblateness of the star: J2 = {}, on bodies",
+            oblateness.j2
+        ));
+    }
+    let bodies = &system.bodies;
+    let planet = |i: usize| bodies.kind[i] == nbody::Kind::Planet as u32;
+    let count = |test: &dyn Fn(usize) -> bool| (0..bodies.len()).filter(|&i| test(i)).count();
+    let moved = scene.planets.iter().filter(|p| p.migration_time.is_some());
+    let moved = moved.count();
+    if moved > 0 {
+        said.push(format!("prescribed migration of {moved} planets"));
+    }
+    if let Some(disk) = &given.disk {
+        said.push("a gas disk as a formula, without gravity of its own".to_owned());
+        if disk.drag != BodyDrag::None {
+            let sized = |i: usize| bodies.radius[i] > 0.0 && bodies.mean_density(i) > 0.0;
+            let felt = |i: usize| {
+                (!planet(i) || bodies.m[i] == 0.0) && (disk.drag != BodyDrag::Adachi || sized(i))
+            };
+            let number = count(&felt);
+            said.push(format!(
+                "  its drag on {number} planetesimals and test particles"
+            ));
+        }
+        if disk.migration {
+            let number = count(&|i| bodies.m[i] > 0.0);
+            said.push(format!("  its type-I torques on {number} bodies with mass"));
+        }
+    }
+    let massless = count(&|i| bodies.m[i] == 0.0);
+    if massless > 0 {
+        said.push(format!(
+            "{massless} of the bodies are test particles: they feel gravity and do not pull"
+        ));
+    }
+    said
+}
+
 /// What a reader could expect and the scene leaves out.
 fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
     let gas = !system.gas.is_empty();
@@ -90,6 +140,9 @@ fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
         .planetesimals
         .as_ref()
         .is_some_and(|p| matches!(p.collisions, Collisions::Fragment { .. }));
+    let fluids = gas || !system.dust.is_empty();
+    let given = &scene.surroundings;
+    let disk = given.disk;
     let lacks = [
         (system.star.is_empty(), "a star"),
         (!gas, "gas"),
@@ -119,6 +172,22 @@ fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
         (
             !system.bodies.is_empty() && !breaking,
             "fragmentation of bodies",
+        ),
+        (
+            disk.is_some_and(|disk| disk.drag == BodyDrag::None),
+            "drag of the gas disk on planetesimals",
+        ),
+        (
+            disk.is_some_and(|disk| !disk.migration),
+            "torques of the gas disk on planets",
+        ),
+        (
+            disk.is_some() && !system.dust.is_empty(),
+            "drag of the gas disk on dust",
+        ),
+        (
+            fluids && (given.speed_of_light.is_some() || given.oblateness.is_some()),
+            "relativity and oblateness in the motion of gas and dust",
         ),
     ];
     lacks

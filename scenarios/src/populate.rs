@@ -91,11 +91,15 @@ fn molecular_weight(gas: &scene::Gas) -> f64 {
 
 /// Molecules of the scene's gas in its units: mass from the mean molecular weight, cross section of H2.
 pub fn molecules(scene: &Scene) -> Molecules {
+    molecules_of(scene, scene.gas.as_ref().map_or(2.34, molecular_weight))
+}
+
+/// Molecules of mean weight `mu`.
+fn molecules_of(scene: &Scene, mu: f64) -> Molecules {
     /// Mass of a hydrogen atom, g (CODATA 2018).
     const HYDROGEN: f64 = 1.673_532_84e-24;
     /// Collision cross section of H2, cm^2 (Chapman & Cowling 1970, as used since Nakagawa et al. 1986).
     const CROSS_SECTION: f64 = 2.0e-15;
-    let mu = scene.gas.as_ref().map_or(2.34, molecular_weight);
     let length = scene.units.length;
     Molecules {
         mass: mu * HYDROGEN / scene.units.mass,
@@ -116,9 +120,18 @@ pub fn dust_law(scene: &Scene, dust: &scene::Dust) -> StoppingLaw {
 
 /// The law that bodies are stopped by.
 pub fn body_law(scene: &Scene, bodies: &scene::Planetesimals) -> StoppingLaw {
-    match bodies.drag {
+    stopping_law(bodies.drag, molecules(scene))
+}
+
+/// The law that bodies are stopped by in an analytic disk.
+pub fn disk_law(scene: &Scene, disk: &scene::GasDisk) -> StoppingLaw {
+    stopping_law(disk.drag, molecules_of(scene, disk.mean_molecular_weight))
+}
+
+fn stopping_law(drag: scene::BodyDrag, molecules: Molecules) -> StoppingLaw {
+    match drag {
         scene::BodyDrag::None => StoppingLaw::None,
-        scene::BodyDrag::Adachi => StoppingLaw::Adachi(molecules(scene)),
+        scene::BodyDrag::Adachi => StoppingLaw::Adachi(molecules),
         scene::BodyDrag::ConstantStoppingTime(t) => StoppingLaw::ConstantStoppingTime(t),
         scene::BodyDrag::Quadratic(coefficient) => StoppingLaw::Quadratic(coefficient),
     }
@@ -196,6 +209,7 @@ fn stars(scene: &Scene, system: &mut System, file: &mut Bodies) {
             kind: Kind::Star,
             mass: star.mass,
             radius: star.accretion_radius,
+            density: 0.0,
             softening: 0.0,
         };
         if file.is_empty() {
@@ -230,6 +244,7 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
             kind: Kind::Planet,
             mass: planet.mass,
             radius: planet.radius,
+            density: planet.density,
             softening,
         };
         let id = ids.take(1);
@@ -262,6 +277,7 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
             number: p.number,
             mass: p.mass,
             density: p.density,
+            radius: p.radius,
             softening,
             inner_radius: p.inner_radius,
             outer_radius: p.outer_radius,

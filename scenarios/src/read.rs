@@ -5,6 +5,7 @@ mod dust;
 mod frame;
 mod gas;
 pub mod gravity;
+mod surroundings;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -148,6 +149,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
     let dust = dust::dust(&root, &facts, gas.as_ref());
     let planets = bodies::planets(&root, &facts);
     let planetesimals = bodies::planetesimals(&root, &facts);
+    let surroundings = surroundings::surroundings(&root, &facts);
     let run = frame::run(&root);
     let scene = Scene {
         name: frame::name(&root, name),
@@ -161,6 +163,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         dust,
         planetesimals,
         planets,
+        surroundings,
         gravity: gravity::none(constant),
         coupling: gravity::no_coupling(),
         accuracy,

@@ -26,6 +26,7 @@ pub struct Scene {
     /// Present when the scene has planetesimals or planets: it also says how all bodies move.
     pub planetesimals: Option<Planetesimals>,
     pub planets: Vec<Planet>,
+    pub surroundings: Surroundings,
     pub gravity: Gravity,
     pub coupling: Coupling,
     pub accuracy: Accuracy,
@@ -260,6 +261,8 @@ pub struct Planetesimals {
     pub inclination: f64,
     /// Zero: bodies without a size.
     pub density: f64,
+    /// Of bodies without mass; zero for the others, whose mass and density give it.
+    pub radius: f64,
     pub integrator: Integrator,
     pub softening: f64,
     pub time_step: TimeStep,
@@ -312,6 +315,10 @@ pub struct Planet {
     pub mass: f64,
     /// Zero: without a size.
     pub radius: f64,
+    /// Of a planet without mass that has a size; zero for the others.
+    pub density: f64,
+    /// The time in which the semi-major axis grows by e; negative inward. `None`: no prescribed migration.
+    pub migration_time: Option<f64>,
     pub orbit: Orbit,
 }
 
@@ -330,6 +337,44 @@ pub enum Orbit {
         position: Vec3,
         velocity: Vec3,
     },
+}
+
+/// What acts on bodies by a formula instead of by particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surroundings {
+    /// With relativity: the speed of light.
+    pub speed_of_light: Option<f64>,
+    pub oblateness: Option<Oblateness>,
+    pub disk: Option<GasDisk>,
+}
+
+/// The star's flattening.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oblateness {
+    pub j2: f64,
+    pub equatorial_radius: f64,
+    /// Unit vector.
+    pub pole: Vec3,
+}
+
+/// A disk of gas that is a formula: Sigma ~ r^slope, H/r ~ r^flaring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GasDisk {
+    /// At the reference radius.
+    pub surface_density: f64,
+    pub slope: f64,
+    pub reference_radius: f64,
+    /// At the reference radius.
+    pub aspect_ratio: f64,
+    pub flaring: f64,
+    pub inner_radius: f64,
+    pub outer_radius: f64,
+    /// How much slower than circular the gas is, as a part; `None`: what its pressure says.
+    pub headwind: Option<f64>,
+    pub mean_molecular_weight: f64,
+    pub drag: BodyDrag,
+    /// Whether bodies with mass feel its torques.
+    pub migration: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -368,6 +413,14 @@ pub enum Mass {
 /// Which masses pull which; what the scene does not have pulls nothing and is pulled by nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Pulls(pub [[bool; 5]; 5]);
+
+impl Scene {
+    /// Whether anything kicks bodies by a formula.
+    pub fn has_surroundings(&self) -> bool {
+        self.surroundings != Surroundings::default()
+            || self.planets.iter().any(|p| p.migration_time.is_some())
+    }
+}
 
 impl Pulls {
     /// Whether `source` pulls `target`.

@@ -7,9 +7,10 @@ use nbody::points::{Boundary, Vec3};
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
-    Block, BodyDrag, Collisions, Disk, DiskAmount, Dust, Eos, Gas, Integrator, Orbit,
+    Block, BodyDrag, Collisions, Disk, DiskAmount, Dust, Eos, Gas, GasDisk, Integrator, Orbit,
     Planetesimals, Scene, Sizes, Viscosity,
 };
+use crate::units::System;
 
 /// Says what is wrong with the key at a path, at its line or that of the deepest table above that the file has.
 pub struct Complaints<'a> {
@@ -73,6 +74,9 @@ pub fn rules(scene: &Scene, complaints: &Complaints<'_>) {
         body_rules(scene, bodies, complaints);
     }
     planet_rules(scene, complaints);
+    if let Some(disk) = &scene.surroundings.disk {
+        surrounding_disk_rules(scene, disk, complaints);
+    }
 }
 
 fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
@@ -289,6 +293,55 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
         complaints.say(
             path,
             "cannot orbit in a periodic domain; give them by an initial.file",
+        );
+    }
+}
+
+fn surrounding_disk_rules(scene: &Scene, disk: &GasDisk, complaints: &Complaints<'_>) {
+    const INNER: &str = "surroundings.disk.inner_radius";
+    if disk.inner_radius >= disk.outer_radius {
+        complaints.say(INNER, "must be less than surroundings.disk.outer_radius");
+        return;
+    }
+    let law = crate::assemble::gas_disk(disk);
+    for (edge, r) in [("inner", disk.inner_radius), ("outer", disk.outer_radius)] {
+        let h = law.aspect_ratio(r);
+        if h > 0.5 {
+            let sentence = format!(
+                "makes a disk of H/r = {h:.3} at its {edge} edge; more than 0.5 is no disk"
+            );
+            complaints.say("surroundings.disk.aspect_ratio", &sentence);
+            return;
+        }
+        if law.rotation(r, 0.0) <= 0.0 {
+            let sentence = format!("makes a pressure that leaves no orbit at its {edge} edge");
+            complaints.say("surroundings.disk.surface_density_slope", &sentence);
+            return;
+        }
+    }
+    if disk.drag == BodyDrag::Adachi {
+        if scene.units.system == System::Dimensionless {
+            complaints.say(
+                "surroundings.disk.drag",
+                "needs molecules, and so physical units; in a dimensionless scene allowed are \"quadratic\" and \"constant-stopping-time\"",
+            );
+        }
+        let sizeless = |bodies: &Planetesimals| {
+            bodies.number > 0
+                && (bodies.density == 0.0 || (bodies.mass == 0.0 && bodies.radius == 0.0))
+        };
+        if scene.planetesimals.as_ref().is_some_and(sizeless) {
+            complaints.say(
+                "surroundings.disk.drag",
+                "needs the planetesimals' size: planetesimals.density, and radius if they have no mass",
+            );
+        }
+    }
+    let idle = disk.drag == BodyDrag::None && !disk.migration;
+    if idle && complaints.door.is_content() {
+        complaints.say(
+            "surroundings.disk",
+            "acts on nothing: give drag, or migration = true",
         );
     }
 }

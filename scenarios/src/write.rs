@@ -80,6 +80,7 @@ impl Scene {
         for planet in &self.planets {
             write_planet(&mut text, planet);
         }
+        write_surroundings(&mut text, self);
         forces(&mut text, self);
         text.0
     }
@@ -313,6 +314,9 @@ fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
         text.number("eccentricity", bodies.eccentricity);
         text.number("inclination", bodies.inclination);
         text.number("density", bodies.density);
+        if bodies.mass == 0.0 {
+            text.number("radius", bodies.radius);
+        }
     }
     text.text(
         "integrator",
@@ -326,18 +330,7 @@ fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
     text.number("softening", bodies.softening);
     text.time_step(bodies.time_step);
     text.table("planetesimals.drag");
-    match bodies.drag {
-        BodyDrag::None => text.text("law", "none"),
-        BodyDrag::Adachi => text.text("law", "adachi"),
-        BodyDrag::ConstantStoppingTime(time) => {
-            text.text("law", "constant-stopping-time");
-            text.number("stopping_time", time);
-        }
-        BodyDrag::Quadratic(coefficient) => {
-            text.text("law", "quadratic");
-            text.number("coefficient", coefficient);
-        }
-    }
+    write_body_drag(text, "law", bodies.drag);
     text.table("planetesimals.collisions");
     match bodies.collisions {
         Collisions::None => text.text("outcome", "none"),
@@ -373,10 +366,64 @@ fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
     }
 }
 
+fn write_body_drag(text: &mut Text, key: &str, drag: BodyDrag) {
+    match drag {
+        BodyDrag::None => text.text(key, "none"),
+        BodyDrag::Adachi => text.text(key, "adachi"),
+        BodyDrag::ConstantStoppingTime(time) => {
+            text.text(key, "constant-stopping-time");
+            text.number("stopping_time", time);
+        }
+        BodyDrag::Quadratic(coefficient) => {
+            text.text(key, "quadratic");
+            text.number("coefficient", coefficient);
+        }
+    }
+}
+
+fn write_surroundings(text: &mut Text, scene: &Scene) {
+    let surroundings = &scene.surroundings;
+    if let Some(light) = surroundings.speed_of_light {
+        text.table("surroundings");
+        text.raw("relativity", true);
+        if scene.units.system == System::Dimensionless {
+            text.number("speed_of_light", light);
+        }
+    }
+    if let Some(oblateness) = &surroundings.oblateness {
+        text.table("surroundings.oblateness");
+        text.number("j2", oblateness.j2);
+        text.number("equatorial_radius", oblateness.equatorial_radius);
+        text.vector("pole", oblateness.pole);
+    }
+    if let Some(disk) = &surroundings.disk {
+        text.table("surroundings.disk");
+        text.number("surface_density", disk.surface_density);
+        text.number("surface_density_slope", disk.slope);
+        text.number("reference_radius", disk.reference_radius);
+        text.number("aspect_ratio", disk.aspect_ratio);
+        text.number("flaring", disk.flaring);
+        text.number("inner_radius", disk.inner_radius);
+        text.number("outer_radius", disk.outer_radius);
+        if let Some(headwind) = disk.headwind {
+            text.number("headwind", headwind);
+        }
+        text.number("mean_molecular_weight", disk.mean_molecular_weight);
+        write_body_drag(text, "drag", disk.drag);
+        text.raw("migration", disk.migration);
+    }
+}
+
 fn write_planet(text: &mut Text, planet: &Planet) {
     text.entry("planet");
     text.number("mass", planet.mass);
     text.number("radius", planet.radius);
+    if planet.density > 0.0 {
+        text.number("density", planet.density);
+    }
+    if let Some(time) = planet.migration_time {
+        text.number("migration_time", time);
+    }
     match planet.orbit {
         Orbit::Elements {
             semi_major_axis,

@@ -113,12 +113,9 @@ impl Immersed for BodiesInGas<'_> {
     }
 
     fn sphere(&self, i: usize) -> Sphere {
-        let (m, radius) = (self.bodies.m[i], self.bodies.radius[i]);
-        if radius > 0.0 {
-            Sphere {
-                radius,
-                density: 0.75 * m / (std::f64::consts::PI * radius.powi(3)),
-            }
+        let (radius, density) = (self.bodies.radius[i], self.bodies.mean_density(i));
+        if radius > 0.0 && density > 0.0 {
+            Sphere { radius, density }
         } else {
             // A point has no cross section.
             Sphere {

@@ -26,6 +26,8 @@ pub struct Body {
     pub kind: Kind,
     pub mass: f64,
     pub radius: f64,
+    /// Of a body without mass; zero for the others.
+    pub density: f64,
     pub softening: f64,
 }
 
@@ -46,6 +48,7 @@ pub fn place(bodies: &mut Bodies, id: u64, body: Body, (x, v): (Vec3, Vec3)) {
     bodies.v[n] = v;
     bodies.m[n] = body.mass;
     bodies.radius[n] = body.radius;
+    bodies.density[n] = body.density;
     bodies.softening[n] = body.softening;
     bodies.kind[n] = body.kind as u32;
 }
@@ -63,6 +66,8 @@ pub struct Belt {
     /// Mass of one.
     pub mass: f64,
     pub density: f64,
+    /// Of bodies without mass.
+    pub radius: f64,
     pub softening: f64,
     pub inner_radius: f64,
     pub outer_radius: f64,
@@ -81,7 +86,12 @@ impl Belt {
         let body = Body {
             kind: Kind::Planetesimal,
             mass: self.mass,
-            radius: radius(self.mass, self.density),
+            radius: if self.mass > 0.0 {
+                radius(self.mass, self.density)
+            } else {
+                self.radius
+            },
+            density: if self.mass > 0.0 { 0.0 } else { self.density },
             softening: self.softening,
         };
         let mut bodies = Bodies::default();
@@ -154,6 +164,7 @@ mod tests {
             number: 20_000,
             mass: 1e-10,
             density: 2.0,
+            radius: 0.0,
             softening: 0.0,
             inner_radius: 0.8,
             outer_radius: 1.6,

@@ -156,6 +156,10 @@ fn bodies(rows: &Rows, kind: Kind) -> Bodies {
             .collect(),
         (None, None) => Vec::new(),
     };
+    let massless = |(&m, &rho): (&f64, &f64)| if m == 0.0 { rho } else { 0.0 };
+    let density = rows.more.get("Densities").map_or_else(Vec::new, |rho| {
+        rows.m.iter().zip(rho).map(massless).collect()
+    });
     let mut bodies = Bodies {
         id: rows.id.clone(),
         x: rows.x.clone(),
@@ -164,6 +168,7 @@ fn bodies(rows: &Rows, kind: Kind) -> Bodies {
         radius,
         spin: rows.spin.clone(),
         composition: rows.composition.clone(),
+        density,
         ..Default::default()
     };
     bodies.resize(rows.len());

@@ -35,6 +35,7 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
         eccentricity: belt.eccentricity,
         inclination: belt.inclination,
         density: belt.density,
+        radius: belt.radius,
         integrator: integrator(&section),
         softening: softening.unwrap_or(0.0),
         time_step: time_step(&section),
@@ -59,6 +60,7 @@ struct Belt {
     eccentricity: f64,
     inclination: f64,
     density: f64,
+    radius: f64,
 }
 
 impl Belt {
@@ -71,6 +73,7 @@ impl Belt {
         let eccentricity = section.number("eccentricity", Range::ECCENTRICITY);
         let inclination = section.quantity("inclination", Kind::ANGLE, INCLINATION);
         let density = section.quantity("density", Kind::DENSITY, Range::NOT_NEGATIVE);
+        let radius = section.quantity("radius", Kind::LENGTH, Range::NOT_NEGATIVE);
         if number == 0 && blamed {
             return Self::default();
         }
@@ -85,10 +88,17 @@ impl Belt {
                     "eccentricity",
                     "inclination",
                     "density",
+                    "radius",
                 ],
                 "describes generated planetesimals: give planetesimals.number too",
             );
             return Self::default();
+        }
+        if mass > 0.0 {
+            section.misplaced(
+                &["radius"],
+                "belongs to massless planetesimals; the size of others follows from mass and density",
+            );
         }
         let what = "a length such as \"1 au\"";
         let eccentricity = eccentricity.unwrap_or(0.01);
@@ -100,6 +110,7 @@ impl Belt {
             eccentricity,
             inclination: inclination.unwrap_or(0.5 * eccentricity),
             density: density.unwrap_or_else(|| rock(section, 2.0)),
+            radius: radius.filter(|_| mass == 0.0).unwrap_or(0.0),
         }
     }
 }
@@ -255,15 +266,16 @@ fn composition(bodies: &Section<'_>) -> Option<[f64; 3]> {
     present.then_some(parts)
 }
 
+pub const LAWS: [(&str, usize); 4] = [
+    ("none", 0),
+    ("adachi", 1),
+    ("constant-stopping-time", 2),
+    ("quadratic", 3),
+];
+
 fn drag(bodies: &Section<'_>, facts: &Facts, number: usize) -> BodyDrag {
     let section = bodies.section("drag");
-    let laws = [
-        ("none", 0),
-        ("adachi", 1),
-        ("constant-stopping-time", 2),
-        ("quadratic", 3),
-    ];
-    let given = section.choice("law", &laws, &[]);
+    let given = section.choice("law", &LAWS, &[]);
     let by_default = facts.has_gas && number > 0 && facts.dimensions == 3;
     let law = given.unwrap_or(usize::from(by_default));
     if law != 0 && !facts.has_gas {
@@ -272,18 +284,28 @@ fn drag(bodies: &Section<'_>, facts: &Facts, number: usize) -> BodyDrag {
             "needs [gas] to rub against; without gas allowed is \"none\"",
         );
     }
+    let drag = drag_law(&section, "law", law);
+    section.close();
+    drag
+}
+
+/// A law of drag by its place among none, adachi, constant stopping time and quadratic, named by `key`, with the number it needs.
+pub fn drag_law(section: &Section<'_>, key: &str, law: usize) -> BodyDrag {
     let time = section.quantity("stopping_time", Kind::TIME, Range::POSITIVE);
     let coefficient = section.quantity("coefficient", Kind::PER_LENGTH, Range::POSITIVE);
     if law != 2 {
         section.misplaced(
             &["stopping_time"],
-            "belongs to law = \"constant-stopping-time\"",
+            &format!("belongs to {key} = \"constant-stopping-time\""),
         );
     }
     if law != 3 {
-        section.misplaced(&["coefficient"], "belongs to law = \"quadratic\"");
+        section.misplaced(
+            &["coefficient"],
+            &format!("belongs to {key} = \"quadratic\""),
+        );
     }
-    let drag = match law {
+    match law {
         0 => BodyDrag::None,
         1 => BodyDrag::Adachi,
         2 => BodyDrag::ConstantStoppingTime(section.required(
@@ -298,9 +320,7 @@ fn drag(bodies: &Section<'_>, facts: &Facts, number: usize) -> BodyDrag {
             "an inverse length such as \"1e-9 1/au\"",
             f64::NAN,
         )),
-    };
-    section.close();
-    drag
+    }
 }
 
 pub fn planets(root: &Section<'_>, facts: &Facts) -> Vec<Planet> {
@@ -313,7 +333,15 @@ pub fn planets(root: &Section<'_>, facts: &Facts) -> Vec<Planet> {
 fn planet(section: Section<'_>, facts: &Facts) -> Planet {
     let mass = section.quantity("mass", Kind::MASS, Range::NOT_NEGATIVE);
     let mass = section.required("mass", mass, "such as \"1 Mearth\"", f64::NAN);
-    let radius = planet_radius(&section, mass);
+    let (radius, density) = planet_size(&section, mass);
+    const NOT_ZERO: Range = Range {
+        test: |x| x != 0.0,
+        text: "a time other than 0: positive outward, negative inward",
+    };
+    let migration_time = section.quantity("migration_time", Kind::TIME, NOT_ZERO);
+    if migration_time.is_some() && !facts.has_star {
+        section.wrong("migration_time", "needs a [star] to migrate from or to");
+    }
     let orbit = if section.has("position") || section.has("velocity") {
         state(&section)
     } else {
@@ -323,22 +351,37 @@ fn planet(section: Section<'_>, facts: &Facts) -> Planet {
     Planet {
         mass,
         radius,
+        density,
+        migration_time,
         orbit,
     }
 }
 
-fn planet_radius(section: &Section<'_>, mass: f64) -> f64 {
+/// Radius, and for a planet without mass its density.
+fn planet_size(section: &Section<'_>, mass: f64) -> (f64, f64) {
     let radius = section.quantity("radius", Kind::LENGTH, Range::NOT_NEGATIVE);
     let density = section.quantity("density", Kind::DENSITY, Range::POSITIVE);
+    if mass == 0.0 {
+        if section.has("density") && !section.has("radius") {
+            section.wrong(
+                "density",
+                "needs radius beside it: a planet without mass has no size by itself",
+            );
+        }
+        let radius = radius.unwrap_or(0.0);
+        let density = density.unwrap_or_else(|| rock(section, 1.0));
+        return (radius, if radius > 0.0 { density } else { 0.0 });
+    }
     section.exclusive("density", "radius");
-    radius.unwrap_or_else(|| {
+    let radius = radius.unwrap_or_else(|| {
         let density = density.unwrap_or_else(|| rock(section, 1.0));
         if density > 0.0 {
             (3.0 * mass / (4.0 * PI * density)).cbrt()
         } else {
             0.0
         }
-    })
+    });
+    (radius, 0.0)
 }
 
 const ELEMENTS: [&str; 6] = [

@@ -174,12 +174,7 @@ impl Extra {
         let mut extra = Self {
             temperatures: temperatures(scene, system),
             swarm_numbers: dust_numbers(&dust.m, &dust.grain_radius, &dust.grain_density),
-            body_densities: bodies
-                .m
-                .iter()
-                .zip(&bodies.radius)
-                .map(|(m, &r)| if r > 0.0 { m / volume(r) } else { 0.0 })
-                .collect(),
+            body_densities: (0..bodies.len()).map(|i| bodies.mean_density(i)).collect(),
             accelerations: Default::default(),
         };
         if scene.run.write_accelerations {
