@@ -133,6 +133,7 @@ fn run(case: &str, n: usize, years: f64, row: &Row) {
                 hill: row.hill,
                 crossing: row.crossing,
             },
+            dt,
             true,
         ),
         soft: Soft::new(Settings {

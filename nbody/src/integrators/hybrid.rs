@@ -56,6 +56,8 @@ pub struct Stuck {
 #[derive(Debug, Default)]
 pub struct Hybrid {
     pub cutoff: Cutoff,
+    /// The step that cut-offs count paths in, whatever steps are cut short.
+    pub step: f64,
     /// Whether bodies touch; else they are points.
     pub touching: bool,
     /// Pairs that touched in the last drift, in the order of time, then ids. They lie at their touch; times count from the end.
@@ -92,9 +94,10 @@ fn each(x: &mut [Vec3], v: &mut [Vec3], change: impl Fn(&mut Vec3, &mut Vec3) + 
 }
 
 impl Hybrid {
-    pub fn new(cutoff: Cutoff, touching: bool) -> Self {
+    pub fn new(cutoff: Cutoff, step: f64, touching: bool) -> Self {
         Self {
             cutoff,
+            step,
             touching,
             ..Self::default()
         }
@@ -202,7 +205,11 @@ impl Hybrid {
         state: impl Fn(usize) -> (Vec3, Vec3) + Sync,
     ) {
         let n = bodies.m.len();
-        let centre = Centre { mu, g, dt };
+        let centre = Centre {
+            mu,
+            g,
+            dt: self.step,
+        };
         self.cutoffs.resize(n, 0.0);
         self.bend.resize(n, 0.0);
         let cutoff = self.cutoff;
@@ -223,7 +230,7 @@ impl Hybrid {
     }
 
     /// Chooses the cut-offs of bodies in inertial coordinates.
-    pub fn choose(&mut self, star: &Bodies, bodies: &Bodies, g: f64, dt: f64) {
+    pub fn choose(&mut self, star: &Bodies, bodies: &Bodies, g: f64) {
         let (Some(&m_star), Some(&x_star), Some(&v_star)) =
             (star.m.first(), star.x.first(), star.v.first())
         else {
@@ -234,7 +241,7 @@ impl Hybrid {
         };
         let total = moment(m_star, &x_star, &v_star) + moments(&bodies.m, &bodies.x, &bodies.v);
         let v_cm = total.fixed_rows::<3>(4) / total[0];
-        self.weigh(bodies, [g * m_star, g], dt, |i| {
+        self.weigh(bodies, [g * m_star, g], 0.0, |i| {
             (bodies.x[i] - x_star, bodies.v[i] - v_cm)
         });
     }
@@ -323,7 +330,7 @@ pub struct Map {
 impl Map {
     /// The soft accelerations at the bodies' places: before the first step, and when bodies have changed.
     pub fn prepare(&mut self, star: &Bodies, bodies: &mut Bodies) {
-        self.soft.field(&mut self.hybrid, star, bodies, self.dt);
+        self.soft.field(&mut self.hybrid, star, bodies);
     }
 
     /// One step; afterwards `hybrid.touches` holds who touched.

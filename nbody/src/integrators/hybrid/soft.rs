@@ -38,9 +38,9 @@ impl Soft {
         }
     }
 
-    /// Finds the soft accelerations of all bodies, into their `a`; `dt` is the step, on which cut-offs depend.
-    pub fn field(&mut self, hybrid: &mut Hybrid, star: &Bodies, bodies: &mut Bodies, dt: f64) {
-        hybrid.choose(star, bodies, self.g, dt);
+    /// Finds the soft accelerations of all bodies, into their `a`.
+    pub fn field(&mut self, hybrid: &mut Hybrid, star: &Bodies, bodies: &mut Bodies) {
+        hybrid.choose(star, bodies, self.g);
         if bodies.m.len() <= FEW {
             self.all_pairs(&hybrid.cutoffs, bodies);
             return;

@@ -8,7 +8,7 @@ use crate::points::Columns;
 
 fn map(dt: f64, touching: bool) -> Map {
     Map {
-        hybrid: Hybrid::new(Cutoff::default(), touching),
+        hybrid: Hybrid::new(Cutoff::default(), dt, touching),
         soft: soft::Soft::new(Settings {
             accuracy: Accuracy::ForceError(1e-3),
             method: Method::Tree,
