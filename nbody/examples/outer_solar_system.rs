@@ -5,7 +5,10 @@ use std::time::Instant;
 
 use nbody::Bodies;
 use nbody::integrators::gauss_radau::GaussRadau;
+use nbody::integrators::wisdom_holman::jacobi::{Corrector, Jacobi, Kernel, Scheme};
 use nbody::integrators::{kick, wisdom_holman};
+use nbody::kepler;
+use nbody::kepler::abreast::drift_all;
 use nbody::points::{Columns, Vec3};
 
 const G: f64 = 0.000_295_912_208_286;
@@ -90,6 +93,67 @@ fn map(years: f64, dt: f64) {
     );
 }
 
+/// The map in Jacobi coordinates: the same figures, looked at a thousand times.
+fn jacobi(years: f64, dt: f64, kernel: Kernel, corrector: Corrector) {
+    let (mut star, mut set) = (bodies(0..1), bodies(1..5));
+    let total = |star: &Bodies, set: &Bodies| {
+        let join = |a: &[Vec3], b: &[Vec3]| [a, b].concat();
+        energy(
+            &[&star.m[..], &set.m[..]].concat(),
+            &join(&star.x, &set.x),
+            &join(&star.v, &set.v),
+        )
+    };
+    let start = total(&star, &set);
+    let mut map = Jacobi::of(Scheme { kernel, corrector }, G, &star, &set);
+    let looks = 1000;
+    let steps = (years * YEAR / dt) as u64 / looks;
+    let mut seconds = 0.0;
+    let mut tenths = [(0f64, 0f64); 10];
+    for look in 0..looks {
+        let clock = Instant::now();
+        map.advance(dt, steps).expect("orbits");
+        seconds += clock.elapsed().as_secs_f64();
+        map.store(&mut star, &mut set).expect("orbits");
+        let error = total(&star, &set) / start - 1.0;
+        let tenth = &mut tenths[(look * 10 / looks) as usize];
+        *tenth = (tenth.0.max(error.abs()), tenth.1 + error / (looks / 10) as f64);
+    }
+    let most = tenths.iter().fold(0f64, |most, t| most.max(t.0));
+    let rate = (steps * looks) as f64 / seconds;
+    let means: Vec<String> = tenths.iter().map(|t| format!("{:+.1e}", t.1)).collect();
+    println!(
+        "Jacobi, {kernel:?} kernel, corrector {}, dt {dt:.2} d, {years} yr: max |dE/E| {most:.2e}; {rate:.2e} steps/s; means of the tenths {}",
+        corrector.order(),
+        means.join(" ")
+    );
+}
+
+/// Nanoseconds a body of the Kepler drift, one by one and abreast.
+fn drifts(bodies: usize, rounds: usize) {
+    let start = |i: usize| {
+        let angle = i as f64 * 0.7;
+        let x = Vec3::new(angle.cos(), angle.sin(), 0.1) * (1.0 + 0.01 * (i % 50) as f64);
+        let v = Vec3::new(-angle.sin(), angle.cos(), 0.05);
+        (x, v * (1.0 + 0.003 * (i % 30) as f64) / x.norm().sqrt())
+    };
+    let (mut x, mut v): (Vec<_>, Vec<_>) = (0..bodies).map(start).unzip();
+    let per_body = |clock: Instant| 1e9 * clock.elapsed().as_secs_f64() / (bodies * rounds) as f64;
+    let clock = Instant::now();
+    for _ in 0..rounds {
+        for (x, v) in x.iter_mut().zip(&mut v) {
+            kepler::drift(1.0, 0.0628, x, v).expect("an orbit");
+        }
+    }
+    let single = per_body(clock);
+    let clock = Instant::now();
+    for _ in 0..rounds {
+        drift_all(1.0, 0.0628, &mut x, &mut v).expect("orbits");
+    }
+    let abreast = per_body(clock);
+    println!("Kepler drift of {bodies} bodies: {single:.1} ns a body one by one, {abreast:.1} ns abreast");
+}
+
 fn adaptive(years: f64) {
     let all = bodies(0..5);
     let mut radau = GaussRadau::new(0.0, &all.x, &all.v);
@@ -119,6 +183,15 @@ fn main() {
         .nth(1)
         .and_then(|y| y.parse().ok())
         .unwrap_or(1e4);
+    drifts(4, 200_000);
+    drifts(1000, 1000);
+    for (kernel, corrector) in [
+        (Kernel::Standard, Corrector::None),
+        (Kernel::Standard, Corrector::Seventeenth),
+        (Kernel::Lazy, Corrector::Seventeenth),
+    ] {
+        jacobi(years, 0.1186 * YEAR, kernel, corrector);
+    }
     map(years, 100.0);
     map(years, 0.1186 * YEAR);
     adaptive(years);

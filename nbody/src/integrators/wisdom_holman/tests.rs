@@ -1,6 +1,7 @@
 //! The Wisdom-Holman drift on problems with known ends.
 
 use super::*;
+use crate::kepler;
 use crate::integrators::problems::*;
 use crate::integrators::{central, kick};
 use crate::orbit::Elements;
