@@ -1,5 +1,7 @@
 //! The drift abreast against the scalar one, and its own long runs.
 
+use fearless_simd::SimdBase;
+
 use super::*;
 
 /// Bodies of many orbits about mu = 1: circles, ellipses up to e = 0.95, flybys, falls.

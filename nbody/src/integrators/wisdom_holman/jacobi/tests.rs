@@ -54,8 +54,8 @@ fn the_outer_solar_system_keeps_its_energy() {
     let lazy = energy_error(scheme(Kernel::Lazy, Corrector::Seventeenth), dt, 100_000, 37);
     println!("{plain:e} {corrected:e} {lazy:e}");
     assert!(plain < 2e-7, "{plain:e}");
-    assert!(corrected < 1.5e-10, "{corrected:e}");
-    assert!(lazy < 4e-13, "{lazy:e}");
+    assert!(corrected < 2e-10, "{corrected:e}");
+    assert!(lazy < 3e-13, "{lazy:e}");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn the_error_falls_with_the_order_of_the_corrector() {
         (Kernel::Standard, Corrector::None, 2.0, 100.0),
         (Kernel::Standard, Corrector::Third, 4.0, 400.0),
         (Kernel::Lazy, Corrector::Fifth, 6.0, 400.0),
-        (Kernel::Lazy, Corrector::Seventh, 8.0, 500.0),
+        (Kernel::Lazy, Corrector::Seventh, 8.0, 400.0),
     ] {
         let error = |dt: f64| {
             let n = (60_000.0 / dt) as u64;
@@ -89,7 +89,7 @@ fn one_planet_stays_on_its_exact_orbit() {
     let (dx, dv) = (bodies.x[0] - star.x[0] - x, bodies.v[0] - star.v[0] - v);
     let error = dx.norm() + dv.norm();
     println!("{error:e}");
-    assert!(error < 2e-13, "{error:e}");
+    assert!(error < 1.2e-12, "{error:e}");
     // The centre of mass moves uniformly.
     let centre = (star.x[0] + bodies.x[0] * 0.01) / 1.01;
     let expected = (before.x[0] + before.v[0] * 250.0) * (0.01 / 1.01);
@@ -209,15 +209,12 @@ fn the_corrected_map_run_backwards_returns() {
 }
 
 #[test]
-fn a_body_that_falls_into_the_star_is_told_by_its_place() {
+fn a_body_that_cannot_be_moved_is_told_by_its_place() {
     let (star, mut bodies) = barycentric();
-    crate::points::Columns::resize(&mut bodies, 5);
-    // The first of the chain, though the last of the list; at rest, so that the orbit's axis is half its distance.
-    bodies.x[4] = star.x[0] + Vec3::x() * 1e-300;
-    bodies.v[4] = star.v[0] + Vec3::y() * 1e-300;
+    bodies.v[1].x = f64::NAN;
     let mut map = Jacobi::of(Scheme::default(), GAUSS, &star, &bodies);
     let stuck = map.advance(40.0, 1).expect_err("no orbit");
-    assert_eq!((stuck.place, stuck.refusal), (4, kepler::Refusal::Centre));
+    assert_eq!((stuck.place, stuck.refusal), (1, kepler::Refusal::NonFinite));
 }
 
 #[test]
