@@ -117,7 +117,10 @@ fn jacobi(years: f64, dt: f64, kernel: Kernel, corrector: Corrector) {
         map.store(&mut star, &mut set).expect("orbits");
         let error = total(&star, &set) / start - 1.0;
         let tenth = &mut tenths[(look * 10 / looks) as usize];
-        *tenth = (tenth.0.max(error.abs()), tenth.1 + error / (looks / 10) as f64);
+        *tenth = (
+            tenth.0.max(error.abs()),
+            tenth.1 + error / (looks / 10) as f64,
+        );
     }
     let most = tenths.iter().fold(0f64, |most, t| most.max(t.0));
     let rate = (steps * looks) as f64 / seconds;
@@ -151,7 +154,9 @@ fn drifts(bodies: usize, rounds: usize) {
         drift_all(1.0, 0.0628, &mut x, &mut v).expect("orbits");
     }
     let abreast = per_body(clock);
-    println!("Kepler drift of {bodies} bodies: {single:.1} ns a body one by one, {abreast:.1} ns abreast");
+    println!(
+        "Kepler drift of {bodies} bodies: {single:.1} ns a body one by one, {abreast:.1} ns abreast"
+    );
 }
 
 fn adaptive(years: f64) {
@@ -178,6 +183,78 @@ fn adaptive(years: f64) {
     );
 }
 
+/// Root mean square and mean energy error of Gauss-Radau over a set of slightly different systems, at each quarter of `years`.
+fn walk(years: f64, systems: u32) {
+    let mut errors = [const { Vec::new() }; 4];
+    for system in 0..systems {
+        let mut all = bodies(0..5);
+        all.x[1] *= 1.0 + 1e-6 * f64::from(system);
+        let mut radau = GaussRadau::new(0.0, &all.x, &all.v);
+        let start = energy(&all.m, &all.x, &all.v);
+        for (quarter, errors) in (1..=4).zip(&mut errors) {
+            radau
+                .advance_to(years * YEAR * f64::from(quarter) / 4.0, |x, a| {
+                    pulls(&all.m, x, a)
+                })
+                .expect("a way");
+            errors.push(energy(&all.m, radau.x(), radau.v()) / start - 1.0);
+        }
+    }
+    print!("Gauss-Radau, {systems} systems over {years} yr, quarters:");
+    for errors in errors {
+        let n = f64::from(systems);
+        let mean = errors.iter().sum::<f64>() / n;
+        let square = errors.iter().map(|e| e * e).sum::<f64>() / n;
+        print!("  rms {:.1e} mean {mean:+.1e}", square.sqrt());
+    }
+    println!();
+}
+
+/// Largest errors of semi-major axis and eccentricity (e = 0.999999) at each apocentre of `orbits` orbits.
+fn needle(orbits: u32) {
+    let e = 0.999_999;
+    let period = std::f64::consts::TAU;
+    let (x0, v0) = (
+        Vec3::new(-1.0 - e, 0.0, 0.0),
+        Vec3::new(0.0, -((1.0 - e) / (1.0 + e)).sqrt(), 0.0),
+    );
+    let errors = |x: Vec3, v: Vec3| {
+        let a = 1.0 / (2.0 / x.norm() - v.norm_squared());
+        let vector = v.cross(&x.cross(&v)) - x / x.norm();
+        ((a - 1.0).abs(), (vector.norm() - e).abs())
+    };
+    let (mut x, mut v) = (x0, v0);
+    let mut most = (0f64, 0f64);
+    for step in 0..10 * orbits {
+        kepler::drift(1.0, 0.1 * period, &mut x, &mut v).expect("an orbit");
+        if step % 10 == 9 {
+            let (a, e) = errors(x, v);
+            most = (most.0.max(a), most.1.max(e));
+        }
+    }
+    println!(
+        "e = 0.999999, {orbits} orbits, Kepler drift of a tenth: a {:.1e}, e {:.1e}",
+        most.0, most.1
+    );
+    let mut radau = GaussRadau::new(0.0, &[x0], &[v0]);
+    most = (0.0, 0.0);
+    let mut evaluations = 0u64;
+    for orbit in 1..=orbits {
+        let end = period * f64::from(orbit);
+        let pull = |x: &[Vec3], a: &mut [Vec3]| {
+            evaluations += 1;
+            a[0] -= x[0] / x[0].norm().powi(3);
+        };
+        radau.advance_to(end, pull).expect("a way");
+        let (a, e) = errors(radau.x()[0], radau.v()[0]);
+        most = (most.0.max(a), most.1.max(e));
+    }
+    println!(
+        "e = 0.999999, {orbits} orbits, Gauss-Radau: a {:.1e}, e {:.1e}; {evaluations} forces",
+        most.0, most.1
+    );
+}
+
 fn main() {
     let years = std::env::args()
         .nth(1)
@@ -195,4 +272,6 @@ fn main() {
     map(years, 100.0);
     map(years, 0.1186 * YEAR);
     adaptive(years);
+    walk(0.25 * years, 8);
+    needle(1000);
 }

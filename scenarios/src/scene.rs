@@ -5,6 +5,7 @@
 
 use std::path::PathBuf;
 
+use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
 
 use crate::units::Units;
@@ -261,6 +262,7 @@ pub struct Planetesimals {
     /// Zero: bodies without a size.
     pub density: f64,
     pub integrator: Integrator,
+    pub coordinates: Coordinates,
     pub softening: f64,
     pub time_step: TimeStep,
     pub drag: BodyDrag,
@@ -273,6 +275,13 @@ pub enum Integrator {
     Leapfrog,
     WisdomHolman,
     GaussRadau,
+}
+
+/// Coordinates of the Wisdom-Holman map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinates {
+    DemocraticHeliocentric,
+    Jacobi(Scheme),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

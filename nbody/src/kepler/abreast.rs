@@ -106,7 +106,10 @@ impl<V> Orbits<V> {
             let g = series(simd, beta, s);
             let d1 = mu.mul_add(g[2], eta.mul_add(g[1], r0 * g[0]));
             let inverse = one / d1;
-            let miss = mu.mul_add(g[3], eta.mul_add(g[2], r0.mul_add(g[1], V::splat(simd, -dt))));
+            let miss = mu.mul_add(
+                g[3],
+                eta.mul_add(g[2], r0.mul_add(g[1], V::splat(simd, -dt))),
+            );
             let d2 = zeta.mul_add(g[1], eta * g[0]);
             let d3 = zeta * g[0] - beta * (eta * g[1]);
             let newton = -(miss * inverse);

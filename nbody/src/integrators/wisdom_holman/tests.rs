@@ -1,9 +1,9 @@
 //! The Wisdom-Holman drift on problems with known ends.
 
 use super::*;
-use crate::kepler;
 use crate::integrators::problems::*;
 use crate::integrators::{central, kick};
+use crate::kepler;
 use crate::orbit::Elements;
 use crate::points::Columns;
 

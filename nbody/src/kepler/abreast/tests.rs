@@ -95,7 +95,13 @@ fn the_first_that_cannot_be_moved_is_told_and_the_others_move() {
     assert_eq!(stuck, Err((11, Refusal::Centre)));
     assert_eq!(x[11], Vec3::zeros());
     let moved = |i: &usize| x[*i] != x0[*i];
-    assert_eq!((0..20).filter(|i| *i != 11 && *i != 13).filter(moved).count(), 18);
+    assert_eq!(
+        (0..20)
+            .filter(|i| *i != 11 && *i != 13)
+            .filter(moved)
+            .count(),
+        18
+    );
 }
 
 #[test]

@@ -51,7 +51,12 @@ fn the_outer_solar_system_keeps_its_energy() {
         100_000,
         37,
     );
-    let lazy = energy_error(scheme(Kernel::Lazy, Corrector::Seventeenth), dt, 100_000, 37);
+    let lazy = energy_error(
+        scheme(Kernel::Lazy, Corrector::Seventeenth),
+        dt,
+        100_000,
+        37,
+    );
     println!("{plain:e} {corrected:e} {lazy:e}");
     assert!(plain < 2e-7, "{plain:e}");
     assert!(corrected < 2e-10, "{corrected:e}");
@@ -214,7 +219,10 @@ fn a_body_that_cannot_be_moved_is_told_by_its_place() {
     bodies.v[1].x = f64::NAN;
     let mut map = Jacobi::of(Scheme::default(), GAUSS, &star, &bodies);
     let stuck = map.advance(40.0, 1).expect_err("no orbit");
-    assert_eq!((stuck.place, stuck.refusal), (1, kepler::Refusal::NonFinite));
+    assert_eq!(
+        (stuck.place, stuck.refusal),
+        (1, kepler::Refusal::NonFinite)
+    );
 }
 
 #[test]
@@ -231,7 +239,12 @@ fn many_bodies_take_wide_lanes_to_the_same_place() {
     }
     let run = |bodies: &Bodies| {
         let (mut star, mut bodies) = (star.clone(), bodies.clone());
-        let mut map = Jacobi::of(scheme(Kernel::Lazy, Corrector::Third), GAUSS, &star, &bodies);
+        let mut map = Jacobi::of(
+            scheme(Kernel::Lazy, Corrector::Third),
+            GAUSS,
+            &star,
+            &bodies,
+        );
         map.advance(40.0, 100).expect("orbits");
         map.store(&mut star, &mut bodies).expect("orbits");
         bodies.x[..4].to_vec()
