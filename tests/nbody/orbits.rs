@@ -3,7 +3,7 @@
 use nbody::points::Vec3;
 use tempfile::TempDir;
 use tridisk::run::{self, Options};
-use tridisk::scene::Scene;
+use tridisk::scene::{Scene, Snapshots};
 use tridisk::snapshot;
 
 use crate::bench;
@@ -75,7 +75,10 @@ fn a_jacobi_run_resumed_halfway_ends_bit_for_bit_as_an_unbroken_one() {
         end_time,
         quiet: true,
     };
-    let half = options(Some(0.5 * scene.run.end_time));
+    let Snapshots::Every(interval) = scene.run.snapshots else {
+        panic!("snapshots at equal intervals");
+    };
+    let half = options(Some(5.0 * interval));
     run::run(scene, &half).unwrap_or_else(|error| panic!("{error}"));
     run::resume(folder.path(), &options(None)).unwrap_or_else(|error| panic!("{error}"));
     let of = |path: &std::path::Path| {

@@ -122,10 +122,10 @@ fn the_accelerations_are_the_jacobi_form_of_the_direct_sum() {
     };
     let mut a: Vec<Vec3> = (0..4).map(|i| star_on(i) * star.m[0]).collect();
     let mut a_star = Vec3::zeros();
-    for i in 0..4 {
+    for (i, a) in a.iter_mut().enumerate() {
         a_star -= star_on(i) * bodies.m[i];
         for j in (0..4).filter(|&j| j != i) {
-            a[i] += softened(i, j) * bodies.m[j];
+            *a += softened(i, j) * bodies.m[j];
         }
     }
     let jacobi = map.chain.coordinates(a_star, &a);
