@@ -2,6 +2,7 @@
 //! they are seen through its prediction.
 
 use nbody::integrators::gauss_radau::GaussRadau;
+use nbody::integrators::wisdom_holman::jacobi::{Jacobi, Scheme};
 use nbody::integrators::{Ahead, Stuck, wisdom_holman};
 use nbody::points::{Fault, Population, Vec3};
 
@@ -124,6 +125,42 @@ impl Operator for DriftKepler {
         seen.star_x.fill(self.ahead.x_star);
         seen.star_v.fill(self.ahead.v_star);
         Ok(false)
+    }
+}
+
+/// Moves star and bodies on each other by a Wisdom-Holman map in Jacobi coordinates, in equal steps of about `step` within each base
+/// step. Nothing else may kick the bodies. The map's memory is in [`System::memory`].
+pub struct DriftJacobi {
+    pub scheme: Scheme,
+    pub step: f64,
+}
+
+impl Operator for DriftJacobi {
+    fn name(&self) -> &'static str {
+        "drift bodies"
+    }
+
+    fn prepare(&mut self, system: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {
+        system.pace.next_span = crate::kick::span(&system.next, f64::INFINITY)?;
+        Ok(())
+    }
+
+    fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        assert!(system.bodies_active(), "nobody else ticks");
+        meter.enter(Phase::Bodies);
+        let (star, bodies) = (&mut system.star, &mut system.bodies);
+        let map = Jacobi::restored(self.scheme, system.g, star, bodies, &system.memory);
+        let mut map = map.unwrap_or_else(|| Jacobi::of(self.scheme, system.g, star, bodies));
+        let dt = elapsed(system);
+        let steps = (dt / self.step * (1.0 - 1e-12)).ceil().max(1.0);
+        meter.count(system.bodies.x.len() * steps as usize, 0);
+        let moved = map.advance(dt / steps, steps as u64);
+        moved.map_err(|stuck| fault(system, stuck))?;
+        let stored = map.store(&mut system.star, &mut system.bodies);
+        stored.map_err(|stuck| fault(system, stuck))?;
+        system.memory = map.state();
+        system.look();
+        Ok(true)
     }
 }
 

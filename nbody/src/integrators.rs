@@ -7,6 +7,7 @@
 //! | --- | --- | --- |
 //! | leapfrog | straight lines | everything, the star's pull too ([`central`]) |
 //! | Wisdom-Holman | Kepler orbits about the star | everything but the star's pull |
+//! | Wisdom-Holman, Jacobi | all bodies and the star on each other, equal steps | nothing |
 //! | Gauss-Radau | all bodies and the star on each other, adaptive | gas and dust |
 
 pub mod central;

@@ -6,6 +6,8 @@
 //! Relative error: a few 1e-16 times the orbit's own condition number; coming in on a hyperbola with pericentre q, 1e-16 (r0/q)^2.
 //! Source: Stumpff (1962); Danby (1988); Mikkola & Innanen (1999); Wisdom & Hernandez (2015) for g without G3.
 
+pub mod abreast;
+
 use std::f64::consts::PI;
 
 use thiserror::Error;
@@ -255,14 +257,16 @@ fn is_small([step, bend]: [f64; 2], [_, d2, d3]: [f64; 3], beta: f64) -> bool {
     (bend * d2).abs() < 1e-4 && (bend * step * d3).abs() < 1e-8 && beta.abs() * step * step < 1e-8
 }
 
-/// G0, G1, G2 moved by a small step: Taylor's series to third order.
+/// G0, G1, G2 moved by a small step: Taylor's series to fourth order; to third the energy would grow by 4e-18 a drift.
 #[inline]
 fn shifted(beta: f64, [g0, g1, g2, _]: [f64; 4], d: f64) -> [f64; 3] {
     let (b, h, t) = (beta * d, 0.5 * d, d / 3.0);
+    let (m0, m1) = (g0 - 0.25 * b * g1, g1 + 0.25 * d * g0);
+    let mean = g1 + h * (g0 - t * beta * m1);
     [
-        g0 - b * (g1 + h * (g0 - t * beta * g1)),
-        g1 + d * g0 - b * h * (g1 + t * g0),
-        g2 + d * (g1 + h * (g0 - t * beta * g1)),
+        g0 - b * mean,
+        g1 + d * g0 - b * h * (g1 + t * m0),
+        g2 + d * mean,
     ]
 }
 

@@ -4,7 +4,7 @@
 
 use coupling::accretion::{Accretion, Collisions};
 use coupling::drag::{BodyDrag, DustDrag};
-use coupling::drift::{DriftDust, DriftGas, DriftKepler, DriftRadau, DriftStraight};
+use coupling::drift::{DriftDust, DriftGas, DriftJacobi, DriftKepler, DriftRadau, DriftStraight};
 use coupling::external::{
     Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
 };
@@ -12,10 +12,12 @@ use coupling::gravity::{Gravity, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::{Operator, Splitting, System};
 use nbody::gravity as solver;
+use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::Columns;
 
 use crate::populate;
-use crate::scene::{self, Integrator, Mass, Scene, TimeStep};
+use crate::run::REPORTS;
+use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep};
 
 /// A system and its operators.
 pub struct Assembly {
@@ -43,7 +45,9 @@ pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
         system.bodies_step = bodies_step(scene, &system, integrator);
         system.longest = match scene.run.time_step {
             TimeStep::Fixed(dt) => dt,
-            TimeStep::Auto if system.gas.is_empty() && system.dust.is_empty() => system.bodies_step,
+            TimeStep::Auto if system.gas.is_empty() && system.dust.is_empty() => {
+                stride(scene, integrator, system.bodies_step) * system.bodies_step
+            }
             TimeStep::Auto => typical_step(scene, &system),
         };
     }
@@ -58,6 +62,28 @@ pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
         remarks,
     }
 }
+
+/// The Jacobi map that the scene names.
+fn jacobi(scene: &Scene, integrator: Integrator) -> Option<Scheme> {
+    match scene.planetesimals.as_ref()?.coordinates {
+        Coordinates::Jacobi(scheme) if integrator == Integrator::WisdomHolman => Some(scheme),
+        _ => None,
+    }
+}
+
+/// The bodies' steps in a base step: one, or where nobody looks at the bodies between reports as many as lie between two.
+fn stride(scene: &Scene, integrator: Integrator, step: f64) -> f64 {
+    let looked_at = scene.star.is_some_and(|star| star.accretion_radius > 0.0);
+    if looked_at || jacobi(scene, integrator).is_none() {
+        return 1.0;
+    }
+    (scene.run.end_time / (REPORTS * step))
+        .ceil()
+        .clamp(1.0, MOST_STEPS)
+}
+
+/// Steps of bodies after which the program looks for signals and checkpoints.
+const MOST_STEPS: f64 = 65536.0;
 
 /// The step that the middle one of all fluid particles wants by its orbit about the star: longer base steps would only let the order of
 /// particles in memory grow stale.
@@ -193,7 +219,8 @@ fn operators(
     if moving && !system.bodies.is_empty() {
         list.extend(surroundings(scene));
     }
-    if moving && (integrator != Integrator::GaussRadau || kicked) {
+    let jacobi = jacobi(scene, integrator);
+    if moving && jacobi.is_none() && (integrator != Integrator::GaussRadau || kicked) {
         list.push(Box::new(KickBodies {
             step,
             mutual: mutual(scene),
@@ -230,10 +257,11 @@ fn operators(
         list.push(Box::new(DriftDust));
     }
     if moving {
-        list.push(match integrator {
-            Integrator::WisdomHolman | Integrator::Auto => Box::new(DriftKepler::default()),
-            Integrator::Leapfrog => Box::new(DriftStraight),
-            Integrator::GaussRadau => Box::new(DriftRadau::new(kicked, step)),
+        list.push(match (integrator, jacobi) {
+            (_, Some(scheme)) => Box::new(DriftJacobi { scheme, step }),
+            (Integrator::WisdomHolman | Integrator::Auto, _) => Box::new(DriftKepler::default()),
+            (Integrator::Leapfrog, _) => Box::new(DriftStraight),
+            (Integrator::GaussRadau, _) => Box::new(DriftRadau::new(kicked, step)),
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
@@ -346,6 +374,6 @@ fn plan(scene: &Scene, integrator: Integrator) -> Plan {
         gas: length(scene.gas.as_ref().map(|g| g.softening)),
         dust: length(scene.dust.as_ref().map(|d| d.softening)),
         star_in_kick: integrator == Integrator::Leapfrog,
-        bodies_in_kick: integrator != Integrator::GaussRadau,
+        bodies_in_kick: integrator != Integrator::GaussRadau && jacobi(scene, integrator).is_none(),
     }
 }

@@ -72,7 +72,7 @@ impl From<Fault> for RunError {
 }
 
 /// Reports a run writes at least, evenly over its time.
-const REPORTS: f64 = 100.0;
+pub const REPORTS: f64 = 100.0;
 
 /// Runs a scene from its start.
 pub fn run(scene: Scene, options: &Options) -> Result<Outcome, RunError> {

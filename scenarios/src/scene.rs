@@ -5,6 +5,7 @@
 
 use std::path::PathBuf;
 
+use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
 
 use crate::units::Units;
@@ -264,6 +265,7 @@ pub struct Planetesimals {
     /// Of bodies without mass; zero for the others, whose mass and density give it.
     pub radius: f64,
     pub integrator: Integrator,
+    pub coordinates: Coordinates,
     pub softening: f64,
     pub time_step: TimeStep,
     pub drag: BodyDrag,
@@ -278,6 +280,13 @@ pub enum Integrator {
     Leapfrog,
     WisdomHolman,
     GaussRadau,
+}
+
+/// Coordinates of the Wisdom-Holman map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinates {
+    DemocraticHeliocentric,
+    Jacobi(Scheme),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,8 @@ use nbody::points::{Boundary, Vec3};
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
-    Block, BodyDrag, Collisions, Disk, DiskAmount, Dust, Eos, Gas, GasDisk, Integrator, Orbit,
-    Planetesimals, Scene, Sizes, Viscosity,
+    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, Eos, Gas, GasDisk,
+    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes, Viscosity,
 };
 use crate::units::System;
 
@@ -264,6 +264,9 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             );
         }
     }
+    if let Coordinates::Jacobi(_) = bodies.coordinates {
+        jacobi_rules(scene, bodies, complaints);
+    }
     if scene.domain.dimensions() == 2 {
         return;
     }
@@ -342,6 +345,41 @@ fn surrounding_disk_rules(scene: &Scene, disk: &GasDisk, complaints: &Complaints
         complaints.say(
             "surroundings.disk",
             "acts on nothing: give drag, or migration = true",
+        );
+    }
+}
+
+/// What the map in Jacobi coordinates needs, since it does all forces on the bodies itself.
+fn jacobi_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>) {
+    let path = "planetesimals.coordinates";
+    if bodies.integrator != Integrator::WisdomHolman {
+        complaints.say(path, "belong to integrator = \"wisdom-holman\"");
+    }
+    if scene.gas.is_some() || scene.dust.is_some() {
+        complaints.say(
+            path,
+            "cannot stand beside [gas] or [dust], which kick the bodies; give \"democratic-heliocentric\"",
+        );
+    }
+    if scene.has_surroundings() {
+        complaints.say(
+            path,
+            "cannot stand beside [surroundings] or migration_time, which kick the bodies; give \"democratic-heliocentric\"",
+        );
+    }
+    let present = [Mass::Planetesimals, Mass::Planets, Mass::Star]
+        .into_iter()
+        .filter(|&mass| scene.has(mass));
+    let pairs = present
+        .clone()
+        .flat_map(|a| present.clone().map(move |b| (a, b)));
+    let missing = |&(a, b): &(Mass, Mass)| {
+        (a, b) != (Mass::Star, Mass::Star) && !scene.gravity.pulls.has(a, b)
+    };
+    if pairs.into_iter().any(|pair| missing(&pair)) {
+        complaints.say(
+            path,
+            "needs gravity among all bodies, with nothing left out by gravity.method or gravity.pulls",
         );
     }
 }

@@ -2,13 +2,15 @@
 
 use std::fmt::{Display, Write};
 
+use nbody::integrators::wisdom_holman::jacobi::{self, Scheme};
 use nbody::points::{Boundary, Vec3};
 
 use crate::read::gravity::MASSES;
 use crate::scene::{
-    Block, BodyDrag, Collisions, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos,
-    Formulation, Gas, GravityMethod, Hydro, Integrator, Kernel, Lattice, Opening, Orbit, Planet,
-    Planetesimals, Preset, Scene, Sizes, Snapshots, Softening, Thermal, TimeStep, Viscosity,
+    Block, BodyDrag, Collisions, Cooling, Coordinates, Disk, DiskAmount, Dust, DustAmount,
+    DustDrag, Eos, Formulation, Gas, GravityMethod, Hydro, Integrator, Kernel, Lattice, Opening,
+    Orbit, Planet, Planetesimals, Preset, Scene, Sizes, Snapshots, Softening, Thermal, TimeStep,
+    Viscosity,
 };
 use crate::units::System;
 
@@ -327,6 +329,7 @@ fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
             Integrator::GaussRadau => "gauss-radau",
         },
     );
+    write_coordinates(text, bodies.coordinates);
     text.number("softening", bodies.softening);
     text.time_step(bodies.time_step);
     text.table("planetesimals.drag");
@@ -411,6 +414,21 @@ fn write_surroundings(text: &mut Text, scene: &Scene) {
         text.number("mean_molecular_weight", disk.mean_molecular_weight);
         write_body_drag(text, "drag", disk.drag);
         text.raw("migration", disk.migration);
+    }
+}
+
+fn write_coordinates(text: &mut Text, coordinates: Coordinates) {
+    match coordinates {
+        Coordinates::DemocraticHeliocentric => text.text("coordinates", "democratic-heliocentric"),
+        Coordinates::Jacobi(Scheme { kernel, corrector }) => {
+            text.text("coordinates", "jacobi");
+            text.raw("corrector", corrector.order());
+            let kernel = match kernel {
+                jacobi::Kernel::Standard => "standard",
+                jacobi::Kernel::Lazy => "lazy",
+            };
+            text.text("kernel", kernel);
+        }
     }
 }
 

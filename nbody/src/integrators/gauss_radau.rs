@@ -267,11 +267,15 @@ impl GaussRadau {
             let (i, axis) = (c / 3, c % 3);
             let (x, v, a0) = (&mut self.x[i][axis], &mut self.v[i][axis], a0[i][axis]);
             let (x_lost, v_lost) = (&mut self.x_lost[c], &mut self.v_lost[c]);
-            add(x, x_lost, dt * dt * polynomial(b, &X_WEIGHTS, 1.0));
-            add(x, x_lost, dt * dt * 0.5 * a0);
-            add(x, x_lost, dt * *v);
-            add(v, v_lost, dt * polynomial(b, &V_WEIGHTS, 1.0));
-            add(v, v_lost, dt * a0);
+            // The large terms with what rounding takes from them.
+            let (far, fast) = (dt * *v, dt * a0);
+            let far_rest = dt.mul_add(*v, -far) - dt * *v_lost;
+            let fast_rest = dt.mul_add(a0, -fast);
+            let bend = dt * (dt * polynomial(b, &X_WEIGHTS, 1.0) + 0.5 * fast);
+            add(x, x_lost, far_rest + bend);
+            add(x, x_lost, far);
+            add(v, v_lost, fast_rest + dt * polynomial(b, &V_WEIGHTS, 1.0));
+            add(v, v_lost, fast);
         }
         self.b_last.copy_from_slice(b);
         self.e_last.copy_from_slice(e);

@@ -6,6 +6,10 @@
 //! massless bodies; momentum is kept to rounding. A step needs about 1/20 of the shortest pericentre passage; see [`time_step`].
 //! Source: Wisdom & Holman (1991); Duncan, Levison & Lee (1998).
 
+mod chain;
+mod corrector;
+pub mod jacobi;
+
 use std::f64::consts::TAU;
 
 use nalgebra::SVector;
@@ -13,7 +17,8 @@ use rayon::prelude::*;
 
 use super::{Ahead, Stuck, leapfrog};
 use crate::bodies::Bodies;
-use crate::kepler;
+use crate::kepler::Refusal;
+use crate::kepler::abreast::drift_all;
 use crate::points::Vec3;
 use crate::points::sum;
 
@@ -104,21 +109,22 @@ impl Swarm<'_> {
         })
     }
 
-    /// Changes each body by `change`; the first body that fails is told.
+    /// Changes the bodies by `change`, task by task; the first body that fails is told.
     fn each(
         &mut self,
-        change: impl Fn(&mut Vec3, &mut Vec3) -> Result<(), kepler::Refusal> + Sync,
+        change: impl Fn(&mut [Vec3], &mut [Vec3]) -> Result<(), (usize, Refusal)> + Sync,
     ) -> Result<(), Stuck> {
-        let one = |(place, (x, v)): (usize, (&mut Vec3, &mut Vec3))| {
-            let refusal = change(x, v).err()?;
+        let one = |(task, (x, v)): (usize, (&mut [Vec3], &mut [Vec3]))| {
+            let (place, refusal) = change(x, v).err()?;
+            let place = task * TASK + place;
             Some(Stuck { place, refusal })
         };
         let stuck = if self.m.len() < 2 * TASK {
-            let all = self.x.iter_mut().zip(self.v.iter_mut());
+            let all = self.x.chunks_mut(TASK).zip(self.v.chunks_mut(TASK));
             all.enumerate().filter_map(one).next()
         } else {
-            let all = self.x.par_iter_mut().zip(self.v.par_iter_mut());
-            let stuck = all.enumerate().with_min_len(TASK).filter_map(one);
+            let all = self.x.par_chunks_mut(TASK).zip(self.v.par_chunks_mut(TASK));
+            let stuck = all.enumerate().filter_map(one);
             stuck.min_by_key(|stuck| stuck.place)
         };
         stuck.map_or(Ok(()), Err)
@@ -138,10 +144,13 @@ fn map(
     let v_cm = total.fixed_rows::<3>(4) / total[0];
     // The bodies' momentum over the star's mass is the star's velocity turned round.
     let jump = (v_cm - v_star) * (0.5 * dt);
+    let to_star = jump - x_star;
     swarm.each(|x, v| {
-        *x = *x - x_star + jump;
-        *v -= v_cm;
-        kepler::drift(g * m_star, dt, x, v)
+        for (x, v) in x.iter_mut().zip(v.iter_mut()) {
+            *x += to_star;
+            *v -= v_cm;
+        }
+        drift_all(g * m_star, dt, x, v)
     })?;
     let about = swarm.moments();
     let recoil = about.fixed_rows::<3>(4) / m_star;
@@ -150,8 +159,8 @@ fn map(
     *star = (x_cm + v_cm * dt - lever, v_cm - recoil);
     let to_inertial = star.0 + jump;
     swarm.each(|x, v| {
-        *x += to_inertial;
-        *v += v_cm;
+        x.iter_mut().for_each(|x| *x += to_inertial);
+        v.iter_mut().for_each(|v| *v += v_cm);
         Ok(())
     })
 }

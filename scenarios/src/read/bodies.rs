@@ -2,11 +2,13 @@
 
 use std::f64::consts::PI;
 
+use nbody::integrators::wisdom_holman::jacobi::{Corrector, Kernel, Scheme};
+
 use super::Facts;
 use super::frame::time_step;
 use super::gas::MOST_PARTICLES;
 use crate::reader::{Range, Section};
-use crate::scene::{BodyDrag, Collisions, Integrator, Orbit, Planet, Planetesimals};
+use crate::scene::{BodyDrag, Collisions, Coordinates, Integrator, Orbit, Planet, Planetesimals};
 use crate::units::{Kind, System};
 
 pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals> {
@@ -37,6 +39,7 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
         density: belt.density,
         radius: belt.radius,
         integrator: integrator(&section),
+        coordinates: coordinates(&section),
         softening: softening.unwrap_or(0.0),
         time_step: time_step(&section),
         drag: drag(&section, facts, number),
@@ -176,6 +179,29 @@ const COUPLING: Range = Range {
 
 /// Fragments of one impact, beside the largest remnant, unless the scene says otherwise.
 const MOST_FRAGMENTS: usize = 30;
+
+fn coordinates(section: &Section<'_>) -> Coordinates {
+    let options = [("democratic-heliocentric", false), ("jacobi", true)];
+    let jacobi = section.choice("coordinates", &options, &[]);
+    let kernels = [("standard", Kernel::Standard), ("lazy", Kernel::Lazy)];
+    let kernel = section.choice("kernel", &kernels, &[]).unwrap_or_default();
+    let order = section.whole("corrector", 0, 17).unwrap_or(0);
+    let corrector = Corrector::ALL
+        .into_iter()
+        .find(|corrector| u64::from(corrector.order()) == order);
+    if corrector.is_none() {
+        section.wrong("corrector", "must be one of 0, 3, 5, 7, 11 and 17");
+    }
+    if jacobi == Some(true) {
+        let corrector = corrector.unwrap_or_default();
+        return Coordinates::Jacobi(Scheme { kernel, corrector });
+    }
+    section.misplaced(
+        &["corrector", "kernel"],
+        "belongs to coordinates = \"jacobi\"",
+    );
+    Coordinates::DemocraticHeliocentric
+}
 
 fn collisions(bodies: &Section<'_>) -> Collisions {
     let section = bodies.section("collisions");

@@ -3,6 +3,7 @@
 use super::*;
 use crate::integrators::problems::*;
 use crate::integrators::{central, kick};
+use crate::kepler;
 use crate::orbit::Elements;
 use crate::points::Columns;
 
