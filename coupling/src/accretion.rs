@@ -144,37 +144,32 @@ pub struct Collisions {
     law: Law,
     /// Whether planetesimals pull each other; planets always do.
     self_gravity: bool,
+    /// Whether the bodies' integrator finds the touches itself.
+    found: bool,
     finder: Finder,
     touched: Vec<Encounter>,
 }
 
 impl Collisions {
-    pub fn new(law: Law, self_gravity: bool) -> Self {
+    /// `found`: whether the bodies' integrator finds the touches itself.
+    pub fn new(law: Law, self_gravity: bool, found: bool) -> Self {
         Self {
             law,
             self_gravity,
+            found,
             finder: Finder::default(),
             touched: Vec::new(),
         }
     }
 
-    /// Gathers the pairs that touched in the step of `dt` that ends now, each once, at its first touch.
+    /// Gathers the pairs that touched in the step of `dt` that ends now.
     fn gather(&mut self, system: &mut System, dt: f64) {
-        let found = self.finder.encounters(&system.bodies, &system.domain, dt);
         self.touched.clear();
         self.touched.append(&mut system.touches);
-        if self.touched.is_empty() {
+        if !self.found {
+            let found = self.finder.encounters(&system.bodies, &system.domain, dt);
             self.touched.extend_from_slice(found);
-            return;
         }
-        let id = &system.bodies.id;
-        for touch in &mut self.touched {
-            touch.pair.sort_by_key(|&i| id[i]);
-        }
-        self.touched.extend_from_slice(found);
-        self.touched
-            .sort_by(|a, b| a.pair.cmp(&b.pair).then(a.time.total_cmp(&b.time)));
-        self.touched.dedup_by_key(|touch| touch.pair);
     }
 }
 

@@ -9,6 +9,10 @@ use nbody::points::{Fault, Population, Vec3};
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
 
+mod meetings;
+
+pub use meetings::{DriftHermite, DriftHybrid};
+
 /// Moves the gas.
 pub struct DriftGas;
 

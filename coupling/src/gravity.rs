@@ -7,6 +7,7 @@
 //! part of the smoothing length, or a length of the scene.
 
 use nbody::gravity::{Gravity as Solver, Settings};
+use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff, soft::Soft};
 use nbody::points::{Fault, Vec3, sum};
 use nbody::{Bodies, Kind};
 use rayon::prelude::*;
@@ -50,10 +51,23 @@ pub struct Plan {
     pub pulls: Pulls,
     pub gas: Softening,
     pub dust: Softening,
-    /// Who has its pull on bodies in the kick: the star (integrators without a Kepler step) and the bodies (all but integrators that
-    /// do all forces between bodies themselves).
+    /// Whether the star has its pull on bodies in the kick: for integrators without a Kepler step.
     pub star_in_kick: bool,
-    pub bodies_in_kick: bool,
+    /// What part of the bodies' pulls on each other is in the kick.
+    pub mutual: Mutual,
+}
+
+/// Where the bodies' pulls on each other are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mutual {
+    Kick,
+    /// In the drift, whose integrator does all forces between bodies itself.
+    Drift,
+    /// Beyond each pair's cut-off in the kick, within it in the drift; cut-offs count in the bodies' step.
+    Changeover {
+        cutoff: Cutoff,
+        step: f64,
+    },
 }
 
 /// A tree over some populations, for the targets that feel just these.
@@ -74,6 +88,15 @@ struct Field {
 pub struct Gravity {
     plan: Plan,
     fields: Vec<Field>,
+    /// What takes the bodies' pulls within cut-offs out of the kick.
+    changeover: Option<Changeover>,
+}
+
+/// The soft part of the bodies' pulls on each other.
+struct Changeover {
+    hybrid: Hybrid,
+    /// For bodies without gas and dust.
+    soft: Soft,
 }
 
 impl Gravity {
@@ -83,7 +106,7 @@ impl Gravity {
         if let Some(settings) = &plan.tree {
             for target in 0..3 {
                 let mut sources = [0, 1, 2].map(|source| plan.pulls[source][target]);
-                if target == 2 && !plan.bodies_in_kick {
+                if target == 2 && plan.mutual == Mutual::Drift {
                     sources[2] = false;
                 }
                 if sources == [false; 3] {
@@ -99,7 +122,18 @@ impl Gravity {
                 }
             }
         }
-        Self { plan, fields }
+        let changeover = match (plan.mutual, plan.tree) {
+            (Mutual::Changeover { cutoff, step }, Some(settings)) => Some(Changeover {
+                hybrid: Hybrid::new(cutoff, step, false),
+                soft: Soft::new(settings),
+            }),
+            _ => None,
+        };
+        Self {
+            plan,
+            fields,
+            changeover,
+        }
     }
 }
 
@@ -286,6 +320,31 @@ impl Operator for Gravity {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         silence(system);
+        let alone = system.gas.is_empty() && system.dust.is_empty();
+        let softly = alone && self.changeover.is_some();
+        // Bodies alone have their soft pulls from elsewhere; potentials come from the whole ones.
+        if !softly || system.reporting {
+            self.pull(system, meter);
+        }
+        if system.bodies_active() {
+            meter.enter(Phase::Gravity);
+            self.soften(system, softly);
+        }
+        Ok(())
+    }
+}
+
+impl Gravity {
+    /// All pulls of all on whoever is active, but for those that belong to a drift; potentials if they are to be reported.
+    fn pull(&mut self, system: &mut System, meter: &mut dyn Meter) {
+        if let Some(Changeover { hybrid, .. }) = &mut self.changeover
+            && system.bodies_active()
+        {
+            hybrid.choose(&system.star, &system.bodies, system.g);
+            for field in &mut self.fields {
+                field.solver.resolve(hybrid.typical());
+            }
+        }
         for field in &mut self.fields {
             meter.enter(Phase::Tree);
             field.update(system, &self.plan);
@@ -295,7 +354,7 @@ impl Operator for Gravity {
         meter.enter(Phase::Gravity);
         let heavies = heavies(system);
         if system.reporting {
-            if !self.plan.bodies_in_kick && self.plan.tree.is_some() {
+            if self.plan.mutual == Mutual::Drift && self.plan.tree.is_some() {
                 add_mutual_potentials(system);
             }
             add_potentials(system, &self.plan, &heavies);
@@ -304,8 +363,42 @@ impl Operator for Gravity {
         if system.bodies_active() {
             self.pull_bodies(system, &heavies);
         }
-        Ok(())
     }
+
+    /// Leaves of the bodies' pulls on each other what belongs to the kick, and keeps for a report what does not.
+    fn soften(&mut self, system: &mut System, softly: bool) {
+        let reporting = system.reporting;
+        if reporting {
+            system.held_back.clone_from(&system.bodies.a);
+        }
+        let (star, bodies, g) = (&system.star, &mut system.bodies, system.g);
+        match &mut self.changeover {
+            Some(Changeover { hybrid, soft }) if softly => soft.field(hybrid, star, bodies),
+            Some(Changeover { hybrid, .. }) => hybrid.soften_all(bodies, g),
+            None => {}
+        }
+        if reporting {
+            for (held, a) in system.held_back.iter_mut().zip(&bodies.a) {
+                *held -= a;
+            }
+            if self.plan.mutual == Mutual::Drift && self.plan.tree.is_some() {
+                add_mutual_pulls(bodies, g, &mut system.held_back);
+            }
+        }
+    }
+}
+
+/// The bodies' pulls on each other, pair by pair.
+fn add_mutual_pulls(bodies: &Bodies, g: f64, pulls: &mut [Vec3]) {
+    let (x, softening) = (&bodies.x, &bodies.softening);
+    let sources: Vec<usize> = (0..x.len()).filter(|&j| bodies.m[j] > 0.0).collect();
+    pulls.par_iter_mut().enumerate().for_each(|(i, pull)| {
+        for &j in sources.iter().filter(|&&j| j != i) {
+            let d = x[j] - x[i];
+            let q2 = d.norm_squared() + softening[i].powi(2) + softening[j].powi(2);
+            *pull += d * (g * bodies.m[j] / (q2 * q2.sqrt()));
+        }
+    });
 }
 
 /// The planetesimals' potentials by each other, for integrators that do their forces themselves.
@@ -523,7 +616,7 @@ impl Gravity {
             if !(if heavy.star {
                 self.plan.star_in_kick
             } else {
-                self.plan.bodies_in_kick
+                self.plan.mutual != Mutual::Drift
             }) {
                 continue;
             }

@@ -142,6 +142,10 @@ pub struct System {
     pub touches: Vec<Encounter>,
     /// Whether potentials are wanted at this tick.
     pub reporting: bool,
+    /// What the bodies' pulls on each other add to their `a` that their integrator does in its drift, when last reported.
+    pub held_back: Vec<Vec3>,
+    /// The integrator of bodies that a run chose at its start, by a number of the chooser's.
+    pub chosen: u64,
     /// What has happened since the events were last written.
     pub events: Vec<crate::accretion::Event>,
     /// Potential energy of the whole system when last reported.
@@ -173,6 +177,8 @@ impl System {
             next_id: 0,
             touches: Vec::new(),
             reporting: false,
+            held_back: Vec::new(),
+            chosen: 0,
             events: Vec::new(),
             potential: 0.0,
         }

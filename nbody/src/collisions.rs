@@ -122,7 +122,7 @@ pub fn collide(
             continue;
         }
         let (kind, products) = law.products(&impact);
-        let mut event = collision(bodies, &impact, kind, &products, field.now);
+        let mut event = collision(bodies, &impact, kind, &products, field.now - encounter.held);
         let places = place(bodies, &impact, &products, next_id);
         let bond = |k: usize, l: usize| field.bond(bodies, [places[k], places[l]]);
         event.energy_lost = impact.energy() - products::energy(&products, bond);

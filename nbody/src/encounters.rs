@@ -23,6 +23,8 @@ pub struct Encounter {
     pub pair: [usize; 2],
     /// Time of the first touch counted from now, -dt..=0.
     pub time: f64,
+    /// Part of that time for which the two have been held as they touched, by an integrator that resolves encounters itself.
+    pub held: f64,
 }
 
 /// Time of the first touch within the step of `dt` that ends now, of spheres whose radii sum to `reach`, separated by `d` now and moving
@@ -183,7 +185,11 @@ impl Finder {
                 if let Some(time) = touch(d, self.v[j] - self.v[i], reach, dt) {
                     let place = |i: usize| self.curve.order[i] as usize;
                     let pair = [place(i), place(j)];
-                    found.push(Encounter { pair, time });
+                    found.push(Encounter {
+                        pair,
+                        time,
+                        held: 0.0,
+                    });
                 }
             }
         }

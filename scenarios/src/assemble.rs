@@ -4,20 +4,25 @@
 
 use coupling::accretion::{Accretion, Collisions};
 use coupling::drag::{BodyDrag, DustDrag};
-use coupling::drift::{DriftDust, DriftGas, DriftJacobi, DriftKepler, DriftRadau, DriftStraight};
+use coupling::drift::{
+    DriftDust, DriftGas, DriftHermite, DriftHybrid, DriftJacobi, DriftKepler, DriftRadau,
+    DriftStraight,
+};
 use coupling::external::{
     Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
 };
-use coupling::gravity::{Gravity, Plan, Softening};
+use coupling::gravity::{Gravity, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::{Operator, Splitting, System};
 use nbody::gravity as solver;
+use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::Columns;
 
 use crate::populate;
 use crate::run::REPORTS;
 use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep};
+use crate::validate;
 
 /// A system and its operators.
 pub struct Assembly {
@@ -39,7 +44,7 @@ pub fn start(scene: &Scene) -> Result<System, populate::Refusal> {
 /// Chooses the operators for a system that is in place.
 pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
     let mut remarks = Vec::new();
-    let integrator = integrator(scene, &system, &mut remarks);
+    let integrator = integrator(scene, &mut system, &mut remarks);
     system.star_in_kick = integrator == Integrator::Leapfrog;
     if system.clock.step == 0 {
         system.bodies_step = bodies_step(scene, &system, integrator);
@@ -107,8 +112,16 @@ fn typical_step(scene: &Scene, system: &System) -> f64 {
     scene.accuracy.orbit_step * (radius.powi(3) / (system.g * mass)).sqrt()
 }
 
-/// The integrator that the scene names, or the one that suits it.
-fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Integrator {
+/// The integrators that a run can choose, by their numbers in checkpoints.
+const CHOICES: [(u64, Integrator, &str); 4] = [
+    (1, Integrator::WisdomHolman, "wisdom-holman"),
+    (2, Integrator::Hybrid, "hybrid"),
+    (3, Integrator::GaussRadau, "gauss-radau"),
+    (4, Integrator::Leapfrog, "leapfrog"),
+];
+
+/// The integrator that the scene names, or the one that suits it at its start.
+fn integrator(scene: &Scene, system: &mut System, remarks: &mut Vec<String>) -> Integrator {
     let wanted = scene
         .planetesimals
         .as_ref()
@@ -116,27 +129,76 @@ fn integrator(scene: &Scene, system: &System, remarks: &mut Vec<String>) -> Inte
     if wanted != Integrator::Auto {
         return wanted;
     }
-    let first = system.clock.step == 0;
+    let known = CHOICES.iter().find(|choice| choice.0 == system.chosen);
+    if let Some(&(_, choice, _)) = known {
+        return choice;
+    }
+    let (choice, reason) = suitable(scene, system);
+    let named = CHOICES.iter().find(|named| named.1 == choice);
+    let &(number, _, name) = named.expect("a number for each choice");
+    system.chosen = number;
+    if !system.bodies.is_empty() {
+        remarks.push(format!("integrator of bodies: {name}, since {reason}"));
+    }
+    choice
+}
+
+/// The integrator that suits the system, and why.
+fn suitable(scene: &Scene, system: &System) -> (Integrator, &'static str) {
     let few = system.bodies.len() <= 16 && system.gas.is_empty() && system.dust.is_empty();
-    let (choice, reason) = if !system.star.is_empty() {
-        (Integrator::WisdomHolman, "a star dominates")
-    } else if few && first || !first && !system.memory.is_empty() {
+    if !system.star.is_empty() {
+        if validate::all_bodies_pull(scene) && orbits_meet(system) {
+            (
+                Integrator::Hybrid,
+                "a star dominates and bodies with mass can meet",
+            )
+        } else {
+            (Integrator::WisdomHolman, "a star dominates")
+        }
+    } else if few {
         (
             Integrator::GaussRadau,
             "there is no star and there are few bodies",
         )
     } else {
         (Integrator::Leapfrog, "there is no star")
-    };
-    if !system.bodies.is_empty() {
-        let name = match choice {
-            Integrator::WisdomHolman => "wisdom-holman",
-            Integrator::GaussRadau => "gauss-radau",
-            _ => "leapfrog",
-        };
-        remarks.push(format!("integrator of bodies: {name}, since {reason}"));
     }
-    choice
+}
+
+/// Whether the distances from the star of two bodies that pull come within three mutual Hill radii of each other, and softening leaves
+/// that to be felt.
+fn orbits_meet(system: &System) -> bool {
+    let (star, bodies) = (&system.star, &system.bodies);
+    let mu = system.g * star.m[0];
+    let mut ranges: Vec<[f64; 2]> = (0..bodies.len())
+        .filter(|&i| bodies.m[i] > 0.0 && mu > 0.0)
+        .map(|i| {
+            let (x, v) = (bodies.x[i] - star.x[0], bodies.v[i] - star.v[0]);
+            let p = x.cross(&v).norm_squared() / mu;
+            let beta = 2.0 * mu / x.norm() - v.norm_squared();
+            let e = (1.0 - p * beta / mu).max(0.0).sqrt();
+            let far = if e < 1.0 {
+                p / (1.0 - e)
+            } else {
+                f64::INFINITY
+            };
+            // Half of a mutual Hill radius of equals each.
+            let hill = p * (bodies.m[i] / (3.0 * star.m[0])).cbrt();
+            let reach = if bodies.softening[i] < hill {
+                1.5 * 2f64.cbrt() * hill
+            } else {
+                0.0
+            };
+            [p / (1.0 + e) - reach, far + reach]
+        })
+        .collect();
+    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut furthest = f64::NEG_INFINITY;
+    ranges.iter().any(|&[near, far]| {
+        let meets = near <= furthest;
+        furthest = furthest.max(far);
+        meets
+    })
 }
 
 /// The step of star and bodies: a part of 1/Omega at the closest pericentre, or what the scene says.
@@ -147,7 +209,12 @@ fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
     if let TimeStep::Fixed(dt) = scene.run.time_step {
         return dt;
     }
-    let free = integrator == Integrator::GaussRadau && !scene.has_surroundings();
+    let touching = scene
+        .planetesimals
+        .as_ref()
+        .is_some_and(|p| p.collisions != scene::Collisions::None);
+    let whole = matches!(integrator, Integrator::GaussRadau | Integrator::Hermite);
+    let free = whole && !touching && !scene.has_surroundings();
     if free || system.bodies.is_empty() || system.star.is_empty() {
         return f64::INFINITY;
     }
@@ -190,7 +257,7 @@ fn operators(
     if let Some(hydro) = hydro.filter(|_| gas) {
         list.push(Box::new(Density { hydro }));
     }
-    let plan = plan(scene, integrator);
+    let plan = plan(scene, integrator, step);
     if plan.tree.is_some() || bodies {
         list.push(Box::new(Gravity::new(plan.clone())));
     }
@@ -220,7 +287,8 @@ fn operators(
         list.extend(surroundings(scene));
     }
     let jacobi = jacobi(scene, integrator);
-    if moving && jacobi.is_none() && (integrator != Integrator::GaussRadau || kicked) {
+    let whole = matches!(integrator, Integrator::GaussRadau | Integrator::Hermite);
+    if moving && jacobi.is_none() && (!whole || kicked) {
         list.push(Box::new(KickBodies {
             step,
             mutual: mutual(scene),
@@ -261,6 +329,8 @@ fn operators(
             (_, Some(scheme)) => Box::new(DriftJacobi { scheme, step }),
             (Integrator::WisdomHolman | Integrator::Auto, _) => Box::new(DriftKepler::default()),
             (Integrator::Leapfrog, _) => Box::new(DriftStraight),
+            (Integrator::Hybrid, _) => Box::new(DriftHybrid::new(hybrid(scene, step))),
+            (Integrator::Hermite, _) => Box::new(DriftHermite::new(kicked, step)),
             (Integrator::GaussRadau, _) => Box::new(DriftRadau::new(kicked, step)),
         });
     }
@@ -269,7 +339,8 @@ fn operators(
     }
     let law = scene.planetesimals.as_ref().and_then(populate::collisions);
     if let Some(law) = law.filter(|_| system.bodies.len() > 1) {
-        list.push(Box::new(Collisions::new(law, self_gravity(scene))));
+        let found = integrator == Integrator::Hybrid;
+        list.push(Box::new(Collisions::new(law, self_gravity(scene), found)));
     }
     list
 }
@@ -350,8 +421,25 @@ fn self_gravity(scene: &Scene) -> bool {
         && pulls.has(Mass::Planetesimals, Mass::Planetesimals)
 }
 
-/// Who pulls whom, how softly and how exactly.
-fn plan(scene: &Scene, integrator: Integrator) -> Plan {
+/// How far the hybrid map's cut-offs reach.
+fn cutoff(scene: &Scene) -> Cutoff {
+    let default = Cutoff::default();
+    let given = scene.planetesimals.as_ref();
+    Cutoff {
+        hill: given.map_or(default.hill, |p| p.cutoff),
+        ..default
+    }
+}
+
+/// The hybrid map of a scene for steps of `step`.
+fn hybrid(scene: &Scene, step: f64) -> Hybrid {
+    let given = scene.planetesimals.as_ref();
+    let touching = given.is_some_and(|p| p.collisions != scene::Collisions::None);
+    Hybrid::new(cutoff(scene), step, touching)
+}
+
+/// Who pulls whom, how softly and how exactly; `step` is that of the bodies.
+fn plan(scene: &Scene, integrator: Integrator, step: f64) -> Plan {
     let accuracy = match scene.gravity.opening {
         scene::Opening::ForceError(error) => solver::Accuracy::ForceError(error),
         scene::Opening::Angle(angle) => solver::Accuracy::OpeningAngle(angle),
@@ -364,6 +452,15 @@ fn plan(scene: &Scene, integrator: Integrator) -> Plan {
     let length = |softening: Option<scene::Softening>| {
         softening.map_or(Softening::Length(0.0), self::softening)
     };
+    let mutual = match integrator {
+        Integrator::GaussRadau | Integrator::Hermite => Mutual::Drift,
+        Integrator::Hybrid => Mutual::Changeover {
+            cutoff: cutoff(scene),
+            step,
+        },
+        _ if jacobi(scene, integrator).is_some() => Mutual::Drift,
+        _ => Mutual::Kick,
+    };
     Plan {
         tree: method.map(|method| solver::Settings {
             accuracy,
@@ -374,6 +471,6 @@ fn plan(scene: &Scene, integrator: Integrator) -> Plan {
         gas: length(scene.gas.as_ref().map(|g| g.softening)),
         dust: length(scene.dust.as_ref().map(|d| d.softening)),
         star_in_kick: integrator == Integrator::Leapfrog,
-        bodies_in_kick: integrator != Integrator::GaussRadau && jacobi(scene, integrator).is_none(),
+        mutual,
     }
 }

@@ -266,6 +266,8 @@ pub struct Planetesimals {
     pub radius: f64,
     pub integrator: Integrator,
     pub coordinates: Coordinates,
+    /// Of the hybrid map, in Hill radii.
+    pub cutoff: f64,
     pub softening: f64,
     pub time_step: TimeStep,
     pub drag: BodyDrag,
@@ -279,6 +281,8 @@ pub enum Integrator {
     Auto,
     Leapfrog,
     WisdomHolman,
+    Hermite,
+    Hybrid,
     GaussRadau,
 }
 

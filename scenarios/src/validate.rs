@@ -260,9 +260,12 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
         if bodies.collisions != Collisions::None {
             complaints.say(
                 "planetesimals.integrator",
-                "cannot follow close encounters; collisions need \"auto\", \"leapfrog\" or \"gauss-radau\"",
+                "cannot follow close encounters; collisions need \"auto\", \"hybrid\", \"leapfrog\", \"hermite\" or \"gauss-radau\"",
             );
         }
+    }
+    if bodies.integrator == Integrator::Hybrid {
+        hybrid_rules(scene, complaints);
     }
     if let Coordinates::Jacobi(_) = bodies.coordinates {
         jacobi_rules(scene, bodies, complaints);
@@ -349,6 +352,31 @@ fn surrounding_disk_rules(scene: &Scene, disk: &GasDisk, complaints: &Complaints
     }
 }
 
+/// What the hybrid map needs.
+fn hybrid_rules(scene: &Scene, complaints: &Complaints<'_>) {
+    let path = "planetesimals.integrator";
+    if scene.star.is_none() {
+        complaints.say(path, "needs a [star], about which the orbits are");
+    }
+    if !all_bodies_pull(scene) {
+        complaints.say(
+            path,
+            "needs gravity among all bodies, with nothing left out by gravity.method or gravity.pulls",
+        );
+    }
+}
+
+/// Whether all bodies that the scene has pull each other.
+pub fn all_bodies_pull(scene: &Scene) -> bool {
+    let present = [Mass::Planetesimals, Mass::Planets, Mass::Star]
+        .into_iter()
+        .filter(|&mass| scene.has(mass));
+    let mut pairs = present
+        .clone()
+        .flat_map(|a| present.clone().map(move |b| (a, b)));
+    pairs.all(|(a, b)| (a, b) == (Mass::Star, Mass::Star) || scene.gravity.pulls.has(a, b))
+}
+
 /// What the map in Jacobi coordinates needs, since it does all forces on the bodies itself.
 fn jacobi_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>) {
     let path = "planetesimals.coordinates";
@@ -367,16 +395,7 @@ fn jacobi_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'
             "cannot stand beside [surroundings] or migration_time, which kick the bodies; give \"democratic-heliocentric\"",
         );
     }
-    let present = [Mass::Planetesimals, Mass::Planets, Mass::Star]
-        .into_iter()
-        .filter(|&mass| scene.has(mass));
-    let pairs = present
-        .clone()
-        .flat_map(|a| present.clone().map(move |b| (a, b)));
-    let missing = |&(a, b): &(Mass, Mass)| {
-        (a, b) != (Mass::Star, Mass::Star) && !scene.gravity.pulls.has(a, b)
-    };
-    if pairs.into_iter().any(|pair| missing(&pair)) {
+    if !all_bodies_pull(scene) {
         complaints.say(
             path,
             "needs gravity among all bodies, with nothing left out by gravity.method or gravity.pulls",

@@ -326,10 +326,15 @@ fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
             Integrator::Auto => "auto",
             Integrator::Leapfrog => "leapfrog",
             Integrator::WisdomHolman => "wisdom-holman",
+            Integrator::Hermite => "hermite",
+            Integrator::Hybrid => "hybrid",
             Integrator::GaussRadau => "gauss-radau",
         },
     );
     write_coordinates(text, bodies.coordinates);
+    if matches!(bodies.integrator, Integrator::Hybrid | Integrator::Auto) {
+        text.number("cutoff", bodies.cutoff);
+    }
     text.number("softening", bodies.softening);
     text.time_step(bodies.time_step);
     text.table("planetesimals.drag");

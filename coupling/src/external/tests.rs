@@ -11,7 +11,7 @@ use nbody::points::{Columns, Domain};
 
 use super::*;
 use crate::drift::DriftKepler;
-use crate::gravity::{ALL_PULL, Gravity, Plan, Softening};
+use crate::gravity::{ALL_PULL, Gravity, Mutual, Plan, Softening};
 use crate::kick::KickBodies;
 use crate::{Splitting, Unmetered};
 
@@ -75,7 +75,7 @@ fn advance(system: &mut System, operator: Box<dyn Operator>, step: f64, end: f64
         gas: Softening::Length(0.0),
         dust: Softening::Length(0.0),
         star_in_kick: false,
-        bodies_in_kick: true,
+        mutual: Mutual::Kick,
     };
     let mut splitting = Splitting::new(vec![
         Box::new(Gravity::new(plan)),

@@ -210,5 +210,5 @@ pub fn impact(bodies: &Bodies, encounter: Encounter, field: &Field) -> Impact {
     } else {
         [j, i]
     };
-    Impact::of(bodies, place, -encounter.time, field)
+    Impact::of(bodies, place, -(encounter.time + encounter.held), field)
 }

@@ -100,7 +100,14 @@ impl Queue {
             let reach = bodies.radius[body] + bodies.radius[partner];
             if let Some(time) = touch(d, w, reach, -time) {
                 let pair = [body, partner];
-                self.push(bodies, Encounter { pair, time });
+                self.push(
+                    bodies,
+                    Encounter {
+                        pair,
+                        time,
+                        held: 0.0,
+                    },
+                );
             }
         }
         self.partners[body] = partners;

@@ -189,6 +189,7 @@ impl Hybrid {
             Encounter {
                 pair,
                 time: touch.time - dt,
+                held: dt - touch.time,
             }
         }));
         let key = |e: &Encounter| e.pair.map(id);
@@ -249,6 +250,15 @@ impl Hybrid {
     /// Takes the hard parts of all pairs but planets' off the accelerations `a` of bodies where they are now, with the cut-offs of
     /// [`Hybrid::choose`].
     pub fn soften(&mut self, bodies: &mut Bodies, g: f64) {
+        self.take_off(bodies, g, false);
+    }
+
+    /// The same for all pairs, planets' too.
+    pub fn soften_all(&mut self, bodies: &mut Bodies, g: f64) {
+        self.take_off(bodies, g, true);
+    }
+
+    fn take_off(&mut self, bodies: &mut Bodies, g: f64, planets: bool) {
         self.neighbours.find(&Swarm {
             m: &bodies.m,
             x: &bodies.x,
@@ -259,7 +269,7 @@ impl Hybrid {
         });
         for &[i, j] in &self.neighbours.pairs {
             let (i, j) = (i as usize, j as usize);
-            let planet = |i: usize| bodies.kind[i] == Kind::Planet as u32;
+            let planet = |i: usize| !planets && bodies.kind[i] == Kind::Planet as u32;
             let d = bodies.x[j] - bodies.x[i];
             let c = self.cutoffs[i].max(self.cutoffs[j]);
             let (r2, eps) = (d.norm_squared(), [i, j].map(|i| bodies.softening[i]));

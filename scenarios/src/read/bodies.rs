@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use nbody::integrators::hybrid::cutoff::Cutoff;
 use nbody::integrators::wisdom_holman::jacobi::{Corrector, Kernel, Scheme};
 
 use super::Facts;
@@ -40,6 +41,7 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
         radius: belt.radius,
         integrator: integrator(&section),
         coordinates: coordinates(&section),
+        cutoff: cutoff(&section),
         softening: softening.unwrap_or(0.0),
         time_step: time_step(&section),
         drag: drag(&section, facts, number),
@@ -155,10 +157,12 @@ fn integrator(section: &Section<'_>) -> Integrator {
         ("auto", Integrator::Auto),
         ("leapfrog", Integrator::Leapfrog),
         ("wisdom-holman", Integrator::WisdomHolman),
+        ("hermite", Integrator::Hermite),
+        ("hybrid", Integrator::Hybrid),
         ("gauss-radau", Integrator::GaussRadau),
     ];
     section
-        .choice("integrator", &options, &["hermite", "hybrid"])
+        .choice("integrator", &options, &[])
         .unwrap_or(Integrator::Auto)
 }
 
@@ -179,6 +183,22 @@ const COUPLING: Range = Range {
 
 /// Fragments of one impact, beside the largest remnant, unless the scene says otherwise.
 const MOST_FRAGMENTS: usize = 30;
+
+/// The cut-off radius of the hybrid map, in Hill radii.
+fn cutoff(section: &Section<'_>) -> f64 {
+    let follows = ["auto", "hybrid"].iter();
+    let meeting = follows.fold(!section.has("integrator"), |any, name| {
+        any || section.is_text("integrator", name)
+    });
+    if !meeting {
+        section.misplaced(
+            &["cutoff"],
+            "belongs to integrator = \"hybrid\" or \"auto\"",
+        );
+    }
+    let given = section.number("cutoff", Range::POSITIVE);
+    given.unwrap_or(Cutoff::default().hill)
+}
 
 fn coordinates(section: &Section<'_>) -> Coordinates {
     let options = [("democratic-heliocentric", false), ("jacobi", true)];

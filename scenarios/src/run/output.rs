@@ -282,6 +282,9 @@ fn temperatures(scene: &Scene, system: &System) -> Vec<f64> {
 fn central_pulls(system: &System) -> Vec<Vec3> {
     let bodies: &Bodies = &system.bodies;
     let mut a = bodies.a.clone();
+    for (a, held) in a.iter_mut().zip(&system.held_back) {
+        *a += held;
+    }
     if !system.star_in_kick
         && let Some(&centre) = system.star.x.first()
     {

@@ -70,6 +70,7 @@ pub fn write(
         Fact::Reals(flat(&[system.stray.impulse, system.stray.torque])),
     );
     draft.fact("next id", Fact::Integer(system.next_id));
+    draft.fact("chosen", Fact::Integer(system.chosen));
     draft.fact("integrator", Fact::Reals(system.memory.clone()));
     let ledger = &system.ledger;
     draft.fact("ledger initial", Fact::Reals(census_reals(&ledger.initial)));
@@ -154,6 +155,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         torque: stray[1],
     };
     system.next_id = file.integer("next id")?;
+    system.chosen = file.integer("chosen")?;
     system.memory = file.reals("integrator")?;
     read_ledger(&file, &mut system)?;
     let (cpu, counts) = (file.reals("cpu_s")?, file.integers("counts")?);
