@@ -46,6 +46,23 @@ fn go(scene: Scene) -> Done {
     Done { folder }
 }
 
+/// Runs a scene given as text, or says why it cannot.
+pub fn attempt(text: &str) -> Result<Done, String> {
+    let scene = Scene::parse(text, "trial", Path::new("."), &[]);
+    let scene = scene.map_err(|problems| format!("{problems:?}"))?;
+    let folder = TempDir::new().expect("a folder");
+    let options = Options {
+        output: folder.path().to_path_buf(),
+        end_time: None,
+        quiet: true,
+    };
+    match run::run(scene, &options) {
+        Ok(Outcome::Done) => Ok(Done { folder }),
+        Ok(other) => Err(format!("{other:?}")),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
 impl Done {
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)

@@ -14,6 +14,7 @@ mod gas {
 }
 mod nbody {
     mod collisions;
+    mod extremes;
     mod orbits;
     mod surroundings;
 }

@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
-use crate::{info, new, outline, plot, signals};
+use crate::{info, new, outline, plot, signals, verify};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -24,6 +24,7 @@ use crate::{info, new, outline, plot, signals};
   tridisk resume runs/disk --end-time \"5 yr\"    go on where a run stopped
   tridisk info runs/disk/snapshot_0003.hdf5     what a file holds
   tridisk plot runs/disk                        pictures of the newest snapshot and the ledger
+  tridisk verify stirring                       a built-in problem against its published answer
 
 Exit status: 0 done, 1 the run failed, 2 the scene or the arguments are wrong, 130 and 143 interrupted."
 )]
@@ -72,6 +73,9 @@ enum Command {
         #[arg(long)]
         output: Option<PathBuf>,
     },
+    /// Run built-in problems against their exact or published answers and print tables; all of them without a name
+    #[command(after_help = "Example:\n  tridisk verify stirring")]
+    Verify { names: Vec<String> },
 }
 
 #[derive(Args)]
@@ -162,7 +166,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The commands that run nothing.
+/// The commands that run no scene.
 fn look(command: Command) -> Result<(), Failure> {
     match command {
         Command::Check { scene, set } => {
@@ -186,6 +190,12 @@ fn look(command: Command) -> Result<(), Failure> {
             }
             Ok(())
         }
+        Command::Verify { names } => match verify::verify(&names).map_err(Failure::Refused)? {
+            true => Ok(()),
+            false => Err(Failure::Failed(
+                "a problem has left its acceptable bars".to_string(),
+            )),
+        },
         Command::Run(_) | Command::Resume(_) => unreachable!("these two run something"),
     }
 }

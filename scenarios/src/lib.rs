@@ -24,4 +24,5 @@ pub mod snapshot;
 pub mod stopwatch;
 pub mod units;
 pub mod validate;
+pub mod verify;
 pub mod write;
