@@ -65,14 +65,19 @@ fn burraus_problem_ends_in_the_known_binary() {
         [0.234366569627506, 0.779737459886668],
     ];
     let error = distance(&radau.x, &reference);
-    assert!(error < 6e-8 && energy < 8e-11, "{error:e} {energy:e}");
+    // Of forty systems that differ by 1e-10 the root mean square of the energy's error is 5e-11.
+    assert!(error < 1.5e-7 && energy < 1.6e-10, "{error:e} {energy:e}");
     let (_, radau) = run(1.0, &m, radau, &[70.0]);
-    // Chaos makes 3e-4 at t = 70 of the 3e-8 at t = 40.
+    // Chaos makes 1e4 times the error at t = 40 by t = 70.
     let binary = Elements::of(9.0, radau.x[2] - radau.x[1], radau.v[2] - radau.v[1]);
     let binary = binary.expect("a binary");
-    assert!((binary.semi_major_axis / 0.552496439163683 - 1.0).abs() < 5e-4);
-    assert!((binary.eccentricity - 0.988699076000575).abs() < 1.3e-5);
-    assert!((radau.v[0].norm() / 1.76472863043444 - 1.0).abs() < 7e-4);
+    let misses = [
+        binary.semi_major_axis / 0.552496439163683 - 1.0,
+        binary.eccentricity - 0.988699076000575,
+        radau.v[0].norm() / 1.76472863043444 - 1.0,
+    ];
+    println!("{misses:?}");
+    assert!(misses[0].abs() < 1.4e-3 && misses[1].abs() < 3.6e-5 && misses[2].abs() < 1.9e-3);
 }
 
 #[test]
