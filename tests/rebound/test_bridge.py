@@ -113,7 +113,9 @@ def test_an_archive_goes_on_in_tridisk_as_in_rebound(tmp_path, integrator):
 
 
 def test_an_archive_is_entered_by_index_and_by_time(tmp_path):
-    path = archive(tmp_path / "archive.bin", planets())
+    # The writer lives on: REBOUND 5.2.2 mixes up names whose addresses have been given away.
+    writer = planets()
+    path = archive(tmp_path / "archive.bin", writer)
     held = rebound.Simulationarchive(str(path))
     for chosen, index in ((dict(snapshot=1), 1), (dict(time=15.0), 1), (dict(snapshot=0), 0), ({}, 2)):
         expected = {name: state(held[index])[name] for name in NAMES}
@@ -164,7 +166,16 @@ def test_ids_are_numbers_or_hashes_of_names_or_one_to_n(tmp_path):
     sim.particles["far"].name = None  # one without a name: all are counted
     path = tridisk.from_rebound(sim, tmp_path / "start.hdf5")
     assert list(tridisk.files.h5py.File(path)["PartType1/ParticleIDs"][:]) == [1, 2, 3, 4, 5]
-    assert tridisk.to_rebound(path).particles["5"].a == pytest.approx(7.3)
+    back = tridisk.to_rebound(path)
+    assert back.particles["5"].m == 0 and back.particles["5"].x == sim.particles[5].x
+
+
+def test_names_that_occur_twice_are_given_up(tmp_path):
+    sim = planets()
+    sim.particles[5].name = "near"
+    with pytest.warns(UserWarning, match="names occur twice"):
+        back = tridisk.to_rebound(tridisk.from_rebound(sim, tmp_path / "start.hdf5"))
+    assert [p.name for p in back.particles] == ["star", "1", "2", "3", "4", "5"]
 
 
 def variational(sim):

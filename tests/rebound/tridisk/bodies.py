@@ -118,7 +118,7 @@ def elements(x, v, mu=1.0):
     r = np.linalg.norm(x, axis=1)
     energy = 0.5 * (v**2).sum(1) - mu / r
     e = np.cross(v, h) / np.reshape(mu, (-1, 1)) - x / r[:, None]
-    return -0.5 * mu / energy, np.linalg.norm(e, axis=1), np.arccos(np.clip(h[:, 2] / np.linalg.norm(h, axis=1), -1, 1))
+    return -0.5 * mu / energy, np.linalg.norm(e, axis=1), np.arctan2(np.hypot(h[:, 0], h[:, 1]), h[:, 2])
 
 
 def _of_archive(archive, snapshot, time):
@@ -206,7 +206,13 @@ def _columns(sim):
     if (m[tests:] != 0).any():
         warnings.warn(f"{np.count_nonzero(m[tests:])} test particles have masses, which pull nobody: they are written without", stacklevel=3)
         m[tests:] = 0.0
-    return {"Masses": m, "Radii": r, "Coordinates": x, "Velocities": v}, [p.name for p in sim.particles]
+    names = [p.name for p in sim.particles]
+    known = [name for name in names if name]
+    if len(set(known)) < len(known):
+        # REBOUND itself mixes up names of some archives that it loads (5.2.2), so none of them can be relied on.
+        warnings.warn("names occur twice in the simulation: its bodies are numbered from 1 and lose their names", stacklevel=3)
+        names = [None] * len(names)
+    return {"Masses": m, "Radii": r, "Coordinates": x, "Velocities": v}, names
 
 
 def _star(sim, star, m):
