@@ -103,8 +103,9 @@ def problem():
     return x, m, targets, direct(x, m, targets)
 
 
-# REBOUND's opening angle, and the least ratio of CPU times: half of what was measured on a quiet machine.
-@pytest.mark.parametrize(("theta", "least"), [(0.2, 25.0), (0.5, 9.0), (0.8, 5.5)])
+# REBOUND's opening angle, and the least ratio of CPU times: half of 18 and 11 as measured, and of 48 from REBOUND's 53 us on a quiet machine;
+# on a busy one REBOUND's tree, which is not in the order of memory, loses more.
+@pytest.mark.parametrize(("theta", "least"), [(0.2, 24.0), (0.5, 9.0), (0.8, 5.5)])
 def test_the_tree_is_faster_than_rebounds_at_equal_error(tmp_path, problem, theta, least):
     x, m, targets, exact = problem
     a, cost = rebound_tree(x, m, theta)
