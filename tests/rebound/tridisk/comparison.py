@@ -56,8 +56,8 @@ def compare(start, integrator=None, rebound_integrator=None, *, years=None, time
     `start` is a scene (.toml) with bodies alone, a snapshot or start file (.hdf5), a Simulationarchive (path or object) or a simulation.
     `integrator` is tridisk's or REBOUND's name (a scene's own if None, else "wisdom-holman"), `rebound_integrator` the nearest of REBOUND's
     if None. `years` are 2 pi units of time with G = 1 (a scene's end_time if None, else 10). The step is that given, or the scene's, or the
-    archive's dt, or 1/60 of the shortest period, for both codes alike. CPU times are the least of `runs`, tridisk's without its files. The same
-    map agrees to rounding where it is the same in both codes: in Jacobi coordinates with all bodies massive, and for "gauss-radau".
+    archive's dt, or 1/60 of the shortest period, for both codes alike. CPU times are the least of `runs`, tridisk's without its files. Agreement
+    to rounding is to be expected where both codes have the same map: in Jacobi coordinates with all bodies massive, and for "gauss-radau".
     """
     rebound_module()
     with tempfile.TemporaryDirectory() as folder:
