@@ -3,6 +3,7 @@
 import time
 
 import numpy as np
+import pytest
 import rebound
 
 import tridisk
@@ -10,6 +11,7 @@ import tridisk
 M_EARTH = 3.0034896e-6
 N = 100_000
 TARGETS = 1000
+RUNS = 3
 
 SCENE = """
 title = "annulus"
@@ -61,47 +63,56 @@ def errors(a, exact):
 
 
 def rebound_tree(x, m, theta):
-    """Accelerations by REBOUND's tree and the CPU time of one evaluation, tree built anew."""
+    """Accelerations by REBOUND's tree and the CPU time of one evaluation, tree built anew: the least of several."""
     sim = rebound.Simulation()
     for mass, place in zip(m, x):
         sim.add(m=mass, x=place[0], y=place[1], z=place[2])
     sim.gravity = "tree"
     sim.root_size = 2.02 * np.abs(x).max()
     sim.opening_angle2 = theta * theta
-    best = np.inf
-    for _ in range(2):
+    costs = []
+    # Small angles take long: on a busy machine not more than what shows the order.
+    while len(costs) < RUNS and sum(costs) < 10:
         start = time.process_time()
         rebound.clibrebound.reb_simulation_update_acceleration(rebound.simulation.byref(sim))
-        best = min(best, time.process_time() - start)
-    return np.array([[p.ax, p.ay, p.az] for p in sim.particles]), best
+        costs.append(time.process_time() - start)
+    return np.array([[p.ax, p.ay, p.az] for p in sim.particles]), min(costs)
 
 
 def ours(tmp_path, x, m, error):
-    """Accelerations by tridisk and the CPU time of one evaluation, the mean of several with the tree built anew each time."""
+    """Accelerations by tridisk and the CPU time of one evaluation, the tree built anew each time: the mean of a run, the least of several runs."""
     file = tmp_path / "annulus.hdf5"
     tridisk.write(file, planetesimals={"Coordinates": x, "Velocities": np.zeros_like(x), "Masses": m,
                                        "ParticleIDs": np.arange(1, len(m) + 1, dtype="u8")})
-    folder = tmp_path / f"run{error}"
     step = 1e-9
     scene = SCENE.format(end=8 * step, step=step, file=file, error=error).replace('snapshots = "none"', f"snapshots = {8 * step}")
-    timings = tridisk.run(scene, folder)
-    phases = timings["phases"]
-    evaluations = phases["gravity"]["targets"] / len(m)
-    cost = (phases["tree"]["cpu_s"] + phases["gravity"]["cpu_s"]) / evaluations
-    return tridisk.read(tridisk.snapshots(folder)[0], "planetesimals")["GravitationalAccelerations"], cost
+    best = np.inf
+    for k in range(RUNS):
+        folder = tmp_path / f"run{error}-{k}"
+        phases = tridisk.run(scene, folder)["phases"]
+        evaluations = phases["gravity"]["targets"] / len(m)
+        best = min(best, (phases["tree"]["cpu_s"] + phases["gravity"]["cpu_s"]) / evaluations)
+    return tridisk.read(tridisk.snapshots(folder)[0], "planetesimals")["GravitationalAccelerations"], best
 
 
-def test_the_tree_is_faster_than_rebounds_at_equal_error(tmp_path):
+@pytest.fixture(scope="module")
+def problem():
+    """Positions, masses, a sample of the particles and the direct sum at it."""
     x, m = annulus(N)
     targets = np.sort(np.random.default_rng(7).choice(N, TARGETS, replace=False))
-    exact = direct(x, m, targets)
-    print()
-    for theta in (0.5, 0.8):
-        a, cost = rebound_tree(x, m, theta)
-        rms, p99 = errors(a[targets], exact)
-        mine, my_cost = ours(tmp_path, x, m, float(f"{rms:.2e}"))
-        my_rms, my_p99 = errors(mine[targets], exact)
-        print(f"N = {N}: REBOUND tree, angle {theta}: rms {rms:.1e}, 99 % {p99:.1e}, {cost / N * 1e6:.2f} us a particle; "
-              f"tridisk: rms {my_rms:.1e}, 99 % {my_p99:.1e}, {my_cost / N * 1e6:.2f} us; ratio {cost / my_cost:.1f}")
-        assert my_rms <= rms
-        assert my_cost < cost
+    return x, m, targets, direct(x, m, targets)
+
+
+# REBOUND's opening angle, and the least ratio of CPU times: half of 18 and 11 as measured, and of 48 from REBOUND's 53 us on a quiet machine;
+# on a busy one REBOUND's tree, which is not in the order of memory, loses more.
+@pytest.mark.parametrize(("theta", "least"), [(0.2, 24.0), (0.5, 9.0), (0.8, 5.5)])
+def test_the_tree_is_faster_than_rebounds_at_equal_error(tmp_path, problem, theta, least):
+    x, m, targets, exact = problem
+    a, cost = rebound_tree(x, m, theta)
+    rms, p99 = errors(a[targets], exact)
+    mine, my_cost = ours(tmp_path, x, m, float(f"{rms:.2e}"))
+    my_rms, my_p99 = errors(mine[targets], exact)
+    print(f"\nN = {N}: REBOUND tree, angle {theta}: rms {rms:.1e}, 99 % {p99:.1e}, {cost / N * 1e6:.2f} us a particle; "
+          f"tridisk: rms {my_rms:.1e}, 99 % {my_p99:.1e}, {my_cost / N * 1e6:.2f} us; ratio {cost / my_cost:.1f}")
+    assert my_rms <= rms
+    assert cost / my_cost > least
