@@ -30,6 +30,9 @@ fn every_scene_keeps_what_it_must() {
                 "gas.particles=8000",
                 "dust.particles=2000",
             ]),
+            "nbody/million-planetesimals.toml" => {
+                overrides.extend(["run.end_time=\"0.1 yr\"", "planetesimals.number=5000"]);
+            }
             "nbody/outer-solar-system.toml" => overrides.push("run.end_time=\"100 yr\""),
             "dust/dusty-box.toml" | "nbody/eccentric-orbit.toml" => {}
             _ => overrides.push("run.end_time=\"0.2 yr\""),
