@@ -287,7 +287,12 @@ impl Pairs {
         let d = x[j] - x[i];
         let soft = self.softening[i] * self.softening[i] + self.softening[j] * self.softening[j];
         let r2 = d.norm_squared() + soft;
-        d * (self.g / (r2 * r2.sqrt()))
+        // Points at one place have no direction to pull in.
+        if r2 > 0.0 {
+            d * (self.g / (r2 * r2.sqrt()))
+        } else {
+            Vec3::zeros()
+        }
     }
 }
 

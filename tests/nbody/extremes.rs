@@ -35,16 +35,28 @@ fn planet(mass: &str, position: [f64; 3], velocity: [f64; 3], more: &str) -> Str
 }
 
 /// What a run must hold in any case.
-fn sound(case: &str, run: &Done, bodies: usize) {
+fn sound(case: &str, integrator: &str, run: &Done, bodies: usize) {
     let largest = |column: &str| run.largest(column);
     let (mass, momentum) = (largest("error_mass"), largest("error_momentum"));
+    let energy = largest("error_energy");
     println!(
-        "{case}: mass {mass:.1e}, momentum {momentum:.1e}, angular momentum {:.1e}, energy {:.1e}",
+        "{case}, {integrator}: mass {mass:.1e}, momentum {momentum:.1e}, angular momentum {:.1e}, energy {energy:.1e}",
         largest("error_angular_momentum"),
-        largest("error_energy")
     );
     assert!(mass < 1e-14, "{case}: mass {mass:e}");
-    assert!(momentum < 1e-12, "{case}: momentum {momentum:e}");
+    // Individual steps of the Hermite integrator do not act back; elsewhere what is left is the star's rounding over 1e5 steps.
+    let bar = if integrator == "hermite" { 3e-8 } else { 1e-11 };
+    assert!(momentum < bar, "{case}: momentum {momentum:e}");
+    // Of points at one place the books do not count what they give each other.
+    if !case.starts_with("one place") {
+        let bar = match integrator {
+            "leapfrog" => 4e-4,
+            "gauss-radau" => 1e-12,
+            "hermite" => 2e-9,
+            _ => 1e-6,
+        };
+        assert!(energy < bar, "{case}, {integrator}: energy {energy:e}");
+    }
     let snapshots = run.snapshots();
     let last = snapshots.last().expect("a snapshot");
     let found = if bodies > 0 {
@@ -69,7 +81,7 @@ fn each(
         let name = format!("{case}, {integrator}");
         let refusal = refused.iter().find(|refusal| refusal.0 == integrator);
         match (bench::attempt(&text), refusal) {
-            (Ok(run), None) => sound(&name, &run, bodies),
+            (Ok(run), None) => sound(case, integrator, &run, bodies),
             (Err(sentence), Some((_, word))) => {
                 println!("{name}: {sentence}");
                 assert!(sentence.contains(word), "{name}: {sentence}");
