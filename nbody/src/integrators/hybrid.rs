@@ -24,7 +24,7 @@ use thiserror::Error;
 use super::leapfrog;
 use crate::bodies::{Bodies, Kind};
 use crate::encounters::Encounter;
-use crate::kepler;
+use crate::kepler::{self, abreast::drift_all};
 use crate::points::Vec3;
 use crate::points::sum::{self, CHUNK};
 use changeover::soft_part;
@@ -296,27 +296,32 @@ impl Hybrid {
     }
 }
 
-/// Moves everybody but the members of clusters along their Kepler orbits. Members are moved too where that is simpler: their state is
-/// replaced afterwards.
+/// Moves everybody but the members of clusters along their Kepler orbits. Members go along circles, which is simpler than to leave them
+/// out: their state is replaced afterwards.
 fn alone(mu: f64, dt: f64, bodies: &mut Bodies, members: &[u32]) -> Result<(), Stuck> {
-    let one = |(place, (x, v)): (usize, (&mut Vec3, &mut Vec3))| {
-        let refusal = kepler::drift(mu, dt, x, v).err()?;
-        // A member's orbit is not this one.
-        let alone = members.iter().all(|&i| i as usize != place);
-        alone.then_some(Stuck {
-            place,
-            reason: refusal.into(),
-        })
+    for &i in members {
+        let r = bodies.x[i as usize].norm();
+        let r = if r.is_normal() { r } else { 1.0 };
+        bodies.x[i as usize] = Vec3::x() * r;
+        bodies.v[i as usize] = Vec3::y() * (mu / r).sqrt();
+    }
+    let stuck = |(place, refusal): (usize, kepler::Refusal)| Stuck {
+        place,
+        reason: refusal.into(),
     };
-    let stuck = if bodies.x.len() <= CHUNK {
-        let all = bodies.x.iter_mut().zip(&mut bodies.v);
-        all.enumerate().filter_map(one).next()
-    } else {
-        let all = bodies.x.par_iter_mut().zip(&mut bodies.v);
-        let stuck = all.enumerate().with_min_len(256).filter_map(one);
-        stuck.min_by_key(|stuck| stuck.place)
-    };
-    stuck.map_or(Ok(()), Err)
+    if bodies.x.len() <= CHUNK {
+        return drift_all(mu, dt, &mut bodies.x, &mut bodies.v).map_err(stuck);
+    }
+    let chunks = bodies
+        .x
+        .par_chunks_mut(CHUNK)
+        .zip(bodies.v.par_chunks_mut(CHUNK));
+    let first = chunks.enumerate().filter_map(|(k, (x, v))| {
+        let (place, refusal) = drift_all(mu, dt, x, v).err()?;
+        Some((k * CHUNK + place, refusal))
+    });
+    let first = first.min_by_key(|&(place, _)| place);
+    first.map_or(Ok(()), |first| Err(stuck(first)))
 }
 
 /// Star and bodies on each other alone: the whole step, with the soft field's accelerations kept in the bodies' `a`.
