@@ -49,7 +49,6 @@ fn binary(eta: f64) -> [f64; 2] {
 #[test]
 fn an_eccentric_binary_converges_with_the_fourth_power_of_the_step() {
     let all = [4e-2, 1e-2, 2.5e-3, 6.25e-4].map(binary);
-    println!("BINARY {all:?}");
     for pair in all[1..].windows(2) {
         let order = (pair[0][0] / pair[1][0]).log2();
         assert!((order - 4.0).abs() < 0.25, "{all:?}");
@@ -91,7 +90,6 @@ fn the_figure_eight_is_where_it_should_be() {
     ]);
     let miss = |eta| farthest(&three([1.0; 3], x, v, eta, 20.0), &expected);
     let (coarse, fine) = (miss(1.6e-3), miss(1e-4));
-    println!("EIGHT {coarse:e} {fine:e}");
     assert!(coarse < 2.2e-7 && fine < 6e-10, "{coarse:e} {fine:e}");
 }
 
@@ -110,7 +108,6 @@ fn the_pythagorean_problem_from_rest_is_where_it_should_be() {
         )
     };
     let (coarse, fine) = (miss(1.6e-3), miss(1e-4));
-    println!("PYTHAGOREAN {coarse:e} {fine:e}");
     assert!(coarse < 1e-6 && fine < 2.2e-9, "{coarse:e} {fine:e}");
 }
 
@@ -159,7 +156,6 @@ fn blocks_do_as_well_as_short_steps_for_all_and_ask_for_less() {
     let far = farthest(&x_end[3..], &radau.x()[3..]);
     let near = farthest(&x_end[..3], &radau.x()[..3]);
     let asked = counted.1.into_inner();
-    println!("BLOCKS {far:e} {near:e} {asked}");
     assert!(far < 1.2e-10 && near < 1e-10, "{far:e} {near:e}");
     // Of 23 bodies, 2 are quick.
     assert!(asked < 70_000, "{asked}");
@@ -199,7 +195,6 @@ fn star_and_planets_go_where_gauss_radau_takes_them() {
     }
     let (_, x, _) = together(&star, &planets);
     let miss = farthest(&x, radau.x());
-    println!("PLANETS {miss:e}");
     assert!(miss < 1.2e-7, "{miss:e}");
 }
 

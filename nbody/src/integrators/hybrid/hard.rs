@@ -202,7 +202,12 @@ mod tests {
 
     #[test]
     fn blocks_find_the_touches_that_gauss_radau_finds() {
-        let [radau, blocks] = both(2e-3, 0.15, 0.3);
+        for (r, s) in [(3e-3, 0.15), (3e-3, 0.3), (4e-3, 0.3), (2e-3, 0.3), (2e-3, 0.5), (5e-3, 0.15)] {
+            let [radau, blocks] = both(r, s, 0.3);
+            println!("TRY {r} {s} {:?}", radau.contacts.iter().map(|c| (c.pair, (c.time * 1e4).round())).collect::<Vec<_>>());
+            println!("TRY {r} {s} {:?}", blocks.contacts.iter().map(|c| (c.pair, (c.time * 1e4).round())).collect::<Vec<_>>());
+        }
+        let [radau, blocks] = both(3e-3, 0.3, 0.3);
         let told = |group: &Group| -> Vec<[u32; 2]> {
             let pair = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
             group.contacts.iter().map(|c| pair(c.pair)).collect()
@@ -218,5 +223,50 @@ mod tests {
         }
         assert!(radau.contacts.len() > 3, "{}", radau.contacts.len());
         assert_eq!(told(&radau), told(&blocks));
+    }
+
+    /// Miss of a light body that passes a heavy one on a hyperbola with its pericentre at 1/80 of the start: by both ways.
+    fn passage(light: f64) -> [f64; 2] {
+        let (mut d, mut w) = (Vec3::new(-5.0, 0.3, 0.0), Vec3::new(1.2, 0.0, 0.0));
+        let (place, way) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.3, 0.2, 0.1));
+        let member = |m, x, v| Member {
+            m,
+            cutoff: 100.0,
+            x,
+            v,
+            ..Member::default()
+        };
+        let mut workers: [Worker; 2] = Default::default();
+        for worker in &mut workers {
+            worker.group.begin(0.0, 1.0);
+            worker.group.add(member(1.0, place, way));
+            worker.group.add(member(light, place + d, way + w));
+        }
+        let [radau, blocks] = &mut workers;
+        radau.radau.advance(&mut radau.group, 8.0).expect("a way");
+        blocks.by_blocks(8.0).expect("a way");
+        crate::kepler::drift(1.0 + light, 8.0, &mut d, &mut w).expect("an orbit");
+        let miss = |worker: &Worker| {
+            let [a, b] = [0, 1].map(|i| worker.group.bodies[i].x);
+            // The centre of mass goes straight.
+            let centre = (a + b * light) / (1.0 + light);
+            let straight = place
+                + way * 8.0
+                + (Vec3::new(-5.0, 0.3, 0.0) + Vec3::x() * 9.6) * (light / (1.0 + light));
+            (b - a - d).norm().max((centre - straight).norm())
+        };
+        [miss(&workers[0]), miss(&workers[1])]
+    }
+
+    #[test]
+    fn light_bodies_pass_heavy_ones_on_their_hyperbolas() {
+        for light in [0.0, 1e-12, 1e-3] {
+            let [radau, blocks] = passage(light);
+            println!("PASSAGE {light:e} {radau:e} {blocks:e}");
+            assert!(
+                radau < 7e-13 && blocks < 3e-8,
+                "{light:e} {radau:e} {blocks:e}"
+            );
+        }
     }
 }
