@@ -196,32 +196,17 @@ mod tests {
         let pairs = radau.bodies.iter().zip(&blocks.bodies);
         let miss = pairs.map(|(a, b)| (a.x - b.x).norm());
         let miss = miss.fold(0.0, |most, d| if d > most || d.is_nan() { d } else { most });
-        println!("MISS {miss:e}");
         assert!(miss < 7e-10, "{miss:e}");
     }
 
     #[test]
     fn blocks_find_the_touches_that_gauss_radau_finds() {
-        for (r, s) in [(3e-3, 0.15), (3e-3, 0.3), (4e-3, 0.3), (2e-3, 0.3), (2e-3, 0.5), (5e-3, 0.15)] {
-            let [radau, blocks] = both(r, s, 0.3);
-            println!("TRY {r} {s} {:?}", radau.contacts.iter().map(|c| (c.pair, (c.time * 1e4).round())).collect::<Vec<_>>());
-            println!("TRY {r} {s} {:?}", blocks.contacts.iter().map(|c| (c.pair, (c.time * 1e4).round())).collect::<Vec<_>>());
-        }
-        let [radau, blocks] = both(3e-3, 0.3, 0.3);
+        let [radau, blocks] = both(5e-3, 0.15, 0.3);
         let told = |group: &Group| -> Vec<[u32; 2]> {
             let pair = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
             group.contacts.iter().map(|c| pair(c.pair)).collect()
         };
-        for (a, b) in radau.contacts.iter().zip(&blocks.contacts) {
-            println!(
-                "CONTACT {:?} {:?} {:e} {:e}",
-                a.pair,
-                b.pair,
-                a.time,
-                b.time - a.time
-            );
-        }
-        assert!(radau.contacts.len() > 3, "{}", radau.contacts.len());
+        assert_eq!(radau.contacts.len(), 15);
         assert_eq!(told(&radau), told(&blocks));
     }
 
@@ -262,7 +247,6 @@ mod tests {
     fn light_bodies_pass_heavy_ones_on_their_hyperbolas() {
         for light in [0.0, 1e-12, 1e-3] {
             let [radau, blocks] = passage(light);
-            println!("PASSAGE {light:e} {radau:e} {blocks:e}");
             assert!(
                 radau < 7e-13 && blocks < 3e-8,
                 "{light:e} {radau:e} {blocks:e}"

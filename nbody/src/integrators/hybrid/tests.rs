@@ -87,7 +87,7 @@ fn an_encounter_leaves_the_bodies_where_gauss_radau_does() {
 fn a_body_without_mass_passes_a_planet_as_gauss_radau_takes_it() {
     for light in [0.0, 1e-17] {
         let misses = [0.03, 0.015, 0.0075].map(|dt| miss([light, 1e-5], dt));
-        
+
         for pair in misses.windows(2) {
             assert!(((pair[0] / pair[1]).log2() - 2.0).abs() < 0.1, "{misses:?}");
         }
@@ -228,6 +228,8 @@ fn hard_and_soft_force_of_a_pair_are_newtons_together() {
 fn field_error(n: u32) -> f64 {
     let (star, mut bodies) = ring(n, 1e-8, 2e-5);
     (bodies.kind[7], bodies.m[7]) = (Kind::Planet as u32, 1e-5);
+    // Every 50th with a wide cut-off, so that many are within.
+    (0..n as usize).step_by(50).for_each(|i| bodies.m[i] = 1e-6);
     for i in 0..n as usize / 2 {
         bodies.softening[i] = 1e-4;
     }
@@ -256,6 +258,5 @@ fn field_error(n: u32) -> f64 {
 #[test]
 fn the_soft_field_is_the_sum_of_soft_pulls() {
     let (few, many) = (field_error(500), field_error(3000));
-    println!("FIELD {few:e} {many:e}");
-    assert!(few < 1e-13 && many < 2e-5, "{few:e} {many:e}");
+    assert!(few < 8e-16 && many < 2e-5, "{few:e} {many:e}");
 }
