@@ -5,6 +5,9 @@
 //! power of two of the span. Each call starts afresh. Energy error of a circular orbit a revolution: about eta^(5/2).
 //! Source: Makino & Aarseth (1992); Aarseth (1985) for the step; Kokubo, Yoshinaga & Makino (1998) for the iteration.
 
+#[cfg(test)]
+mod tests;
+
 use rayon::prelude::*;
 
 use crate::bodies::Bodies;
@@ -33,6 +36,8 @@ pub struct Hermite {
     pulls: Vec<[Vec3; 2]>,
     begin: Vec<u64>,
     step: Vec<u64>,
+    /// The step before, in ticks; zero before the first.
+    done: Vec<u64>,
     /// Everybody's state now: predicted, for `active` corrected.
     pub x_now: Vec<Vec3>,
     pub v_now: Vec<Vec3>,
@@ -58,6 +63,7 @@ impl Default for Hermite {
             pulls: Vec::new(),
             begin: Vec::new(),
             step: Vec::new(),
+            done: Vec::new(),
             x_now: Vec::new(),
             v_now: Vec::new(),
             active: Vec::new(),
@@ -108,7 +114,9 @@ impl Hermite {
         self.begin.resize(n, 0);
         self.step.clear();
         self.step.resize(n, 0);
-        (0..n).try_for_each(|i| self.set_off(i))
+        self.done.clear();
+        self.done.resize(n, 0);
+        self.set_off(field, dt)
     }
 
     /// Gives body i a new state now, from which it sets off afresh.
@@ -116,36 +124,79 @@ impl Hermite {
         (self.x[i], self.v[i]) = (x, v);
         (self.x_now[i], self.v_now[i]) = (x, v);
         self.pulls[i] = field.pull(i, &self.x_now, &self.v_now);
-        self.set_off(i)
+        let [a, j] = self.pulls[i];
+        // What changes its state may make it quicker, never slower.
+        let wanted = 0.1 * self.eta.sqrt() * a.norm() / j.norm();
+        self.begin[i] = self.now;
+        self.step[i] = self.block(i, wanted, self.done[i])?;
+        Ok(())
     }
 
-    /// Removes body i; the last one takes its place.
+    /// Removes body i; the last one takes its place, also among the active.
     pub fn remove(&mut self, i: usize) {
+        let last = self.x.len() - 1;
+        self.active.retain(|&k| k as usize != i);
+        let moved = self.active.iter_mut().filter(|k| **k as usize == last);
+        moved.for_each(|k| *k = i as u32);
         for column in [&mut self.x, &mut self.v, &mut self.x_now, &mut self.v_now] {
             column.swap_remove(i);
         }
         self.pulls.swap_remove(i);
         self.begin.swap_remove(i);
         self.step.swap_remove(i);
+        self.done.swap_remove(i);
     }
 
-    /// The step that ends now of body i, in time.
-    pub fn last_step(&self, i: usize) -> f64 {
-        self.step[i] as f64 * self.unit
+    /// Time since the last end of a step of i or j before now.
+    pub fn since(&self, i: usize, j: usize) -> f64 {
+        let [a, b] = [i, j].map(|i| match self.now - self.begin[i] {
+            0 => self.done[i],
+            ticks => ticks,
+        });
+        a.min(b) as f64 * self.unit
     }
 
-    /// A first step from acceleration and jerk alone.
-    fn set_off(&mut self, i: usize) -> Result<(), Stall> {
-        let [a, j] = self.pulls[i];
-        let (a, j) = (a.norm(), j.norm());
-        let wanted = if j > 0.0 {
-            0.1 * self.eta.sqrt() * a / j
-        } else {
-            f64::INFINITY
+    /// A first step for all: part of the shortest |a|/|j| and (|a|/|a''|)^(1/2), a'' by a difference over a trial time that is short
+    /// for everybody. Bodies at rest have no jerk, one amid others has no pull.
+    fn set_off(&mut self, field: &impl Field, dt: f64) -> Result<(), Stall> {
+        let least = |shortest: f64, time: f64| {
+            if time > 0.0 {
+                shortest.min(time)
+            } else {
+                shortest
+            }
         };
-        self.begin[i] = self.now;
-        self.step[i] = self.block(i, wanted, SPAN)?;
+        let times = self.pulls.iter().map(|[a, j]| a.norm() / j.norm());
+        let by_jerk = times.fold(f64::INFINITY, least);
+        let mut trial = by_jerk.min(dt) / 64.0;
+        let shortest = loop {
+            (0..self.x.len()).for_each(|i| self.predict(i, trial));
+            self.pull(field);
+            let pulls = self.fresh.iter().zip(&self.pulls);
+            let times = pulls.map(|(there, here)| {
+                let snap = (there[1] - here[1]).norm() / trial;
+                (here[0].norm() / snap).sqrt()
+            });
+            let shortest = times.fold(by_jerk, least);
+            if trial <= 0.125 * shortest || trial < self.unit {
+                break shortest;
+            }
+            trial *= 0.5;
+        };
+        for i in 0..self.x.len() {
+            self.step[i] = self.block(i, 0.3 * self.eta.sqrt() * shortest, SPAN)?;
+            self.done[i] = self.step[i];
+        }
         Ok(())
+    }
+
+    /// Everything of body i `h` after the begin of its step, without what pulls it there.
+    #[inline]
+    fn predict(&mut self, i: usize, h: f64) {
+        let [a, j] = self.pulls[i];
+        let third = h / 3.0;
+        self.x_now[i] = self.x[i] + (self.v[i] + (a + j * third) * (0.5 * h)) * h;
+        self.v_now[i] = self.v[i] + (a + j * (0.5 * h)) * h;
     }
 
     /// The longest power of two of ticks that is not longer than `wanted` and `longest` and ends where such steps end.
@@ -171,17 +222,13 @@ impl Hermite {
             if self.begin[i] + self.step[i] == self.now {
                 self.active.push(i as u32);
             }
-            let h = (self.now - self.begin[i]) as f64 * self.unit;
-            let [a, j] = self.pulls[i];
-            let third = h / 3.0;
-            self.x_now[i] = self.x[i] + (self.v[i] + (a + j * third) * (0.5 * h)) * h;
-            self.v_now[i] = self.v[i] + (a + j * (0.5 * h)) * h;
+            self.predict(i, (self.now - self.begin[i]) as f64 * self.unit);
         }
         for _ in 0..CORRECTIONS {
             self.pull(field);
             for (k, &i) in self.active.iter().enumerate() {
                 let i = i as usize;
-                let h = self.last_step(i);
+                let h = self.step[i] as f64 * self.unit;
                 let ([a, j], [a1, j1]) = (self.pulls[i], self.fresh[k]);
                 let twelfth = h * h / 12.0;
                 self.v_now[i] = self.v[i] + (a + a1) * (0.5 * h) + (j - j1) * twelfth;
@@ -196,21 +243,21 @@ impl Hermite {
     /// Ends the step of the k-th active body and chooses the next.
     fn close(&mut self, k: usize) -> Result<(), Stall> {
         let i = self.active[k] as usize;
-        let h = self.last_step(i);
+        let h = self.step[i] as f64 * self.unit;
         let ([a, j], [a1, j1]) = (self.pulls[i], self.fresh[k]);
         let snap = ((a1 - a) * 6.0 - (j * 4.0 + j1 * 2.0) * h) / (h * h);
         let crackle = ((a - a1) * 12.0 + (j + j1) * (6.0 * h)) / (h * h * h);
         let snap = (snap + crackle * h).norm();
         let (a, j) = (a1.norm(), j1.norm());
         let slow = j * crackle.norm() + snap * snap;
-        let wanted = if slow > 0.0 {
-            (self.eta * (a * snap + j * j) / slow).sqrt()
-        } else {
+        let wanted = if slow == 0.0 {
             f64::INFINITY
+        } else {
+            (self.eta * (a * snap + j * j) / slow).sqrt()
         };
         let longest = (2 * self.step[i]).min(SPAN);
         (self.x[i], self.v[i], self.pulls[i]) = (self.x_now[i], self.v_now[i], self.fresh[k]);
-        self.begin[i] = self.now;
+        (self.begin[i], self.done[i]) = (self.now, self.step[i]);
         self.step[i] = self.block(i, wanted, longest)?;
         Ok(())
     }
@@ -244,7 +291,7 @@ impl Field for Masses {
         for j in (0..x.len()).filter(|&j| j != i) {
             let (d, w) = (x[j] - x[i], v[j] - v[i]);
             let q2 = d.norm_squared() + (self.eps2[i] + self.eps2[j]);
-            if q2 > 0.0 {
+            if q2 != 0.0 {
                 let inverse = 1.0 / q2;
                 let pull = self.g * self.m[j] * inverse * inverse.sqrt();
                 sum[0] += d * pull;

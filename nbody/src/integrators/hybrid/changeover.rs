@@ -43,21 +43,19 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_thrown_outwards_pays_the_two_potentials() {
-        // Potential of the soft part at r < 1 (cut-off 1): -1 minus the soft force's work from r to 1, here by Simpson's rule;
-        // together with the hard one it must be Newton's.
-        let work = |from: f64, part: &dyn Fn(f64) -> f64| {
-            let h = (1.0 - from) / 2000.0;
-            let f = |k: u32| part(from + f64::from(k) * h);
-            let sum: f64 = (0..1000)
-                .map(|k| f(2 * k) + 4.0 * f(2 * k + 1) + f(2 * k + 2))
-                .sum();
-            sum * h / 3.0
-        };
-        for r in [0.05, 0.1, 0.3, 0.7, 0.99] {
-            let soft = -1.0 - work(r, &|r| soft_part(r) / (r * r));
-            let hard = -work(r, &|r| (1.0 - soft_part(r)) / (r * r));
-            assert!(((soft + hard) * r + 1.0).abs() < 2e-9, "{r}");
+    fn it_rises_with_the_fourth_power_and_is_the_same_backwards() {
+        let at = |s: f64| soft_part(INNER + s * WIDTH);
+        for k in 1..100 {
+            let s = 0.01 * f64::from(k);
+            assert!((at(s) + at(1.0 - s) - 1.0).abs() < 1e-14, "{s}");
+        }
+        // 35 s^4 (1 - 2.4 s + 2 s^2 - ...): three derivatives vanish at the end.
+        for s in [1e-3, 1e-2] {
+            let leading = at(s) / (35.0 * s.powi(4));
+            assert!(
+                (leading - (1.0 - 2.4 * s + 2.0 * s * s)).abs() < s * s * s,
+                "{leading}"
+            );
         }
     }
 }

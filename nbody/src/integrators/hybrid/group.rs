@@ -161,7 +161,7 @@ impl Field for Group {
             [d * cube, (w - d * (3.0 * inverse * d.dot(w))) * cube]
         };
         let q2 = x[i].norm_squared();
-        let mut sum = if q2 > 0.0 {
+        let mut sum = if q2 != 0.0 {
             newton(&x[i], &v[i], q2).map(|part| part * -self.mu)
         } else {
             [Vec3::zeros(); 2]

@@ -47,6 +47,12 @@ impl Soft {
         }
         self.by_tree(hybrid, bodies);
         hybrid.soften(bodies, self.g);
+        // What the tree's bodies do to a planet comes with what it does to them.
+        for (a, &kind) in bodies.a.iter_mut().zip(&bodies.kind) {
+            if kind == Kind::Planet as u32 {
+                *a = Vec3::zeros();
+            }
+        }
         for p in 0..bodies.m.len() {
             if bodies.kind[p] == Kind::Planet as u32 {
                 pull_of_planet(p, &hybrid.cutoffs, self.g, bodies);
@@ -86,12 +92,17 @@ impl Soft {
             sum.resize(n, 0.0);
         }
         let (columns, sums) = (&self.columns, &mut self.sums);
+        let softened = columns[5].iter().any(|&eps2| eps2 != 0.0);
         let level = Level::new();
         dispatch!(level, simd => {
             use fearless_simd::Simd;
             simd.vectorize(
                 #[inline(always)]
-                || (0..n).for_each(|j| add_pull(columns, j, sums)),
+                || if softened {
+                    (0..n).for_each(|j| add_pull::<true>(columns, j, sums));
+                } else {
+                    (0..n).for_each(|j| add_pull::<false>(columns, j, sums));
+                },
             )
         });
         for (i, a) in bodies.a.iter_mut().enumerate() {
@@ -100,9 +111,13 @@ impl Soft {
     }
 }
 
-/// Adds the soft pull of body j on everybody.
+/// Adds the soft pull of body j on everybody; without softening one root serves both separation and force.
 #[inline(always)]
-fn add_pull([x, y, z, gm, c, eps2]: &[Vec<f64>; 6], j: usize, sums: &mut [Vec<f64>; 3]) {
+fn add_pull<const SOFTENED: bool>(
+    [x, y, z, gm, c, eps2]: &[Vec<f64>; 6],
+    j: usize,
+    sums: &mut [Vec<f64>; 3],
+) {
     let n = x.len();
     let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
     let (c, eps2) = (&c[..n], &eps2[..n]);
@@ -114,10 +129,17 @@ fn add_pull([x, y, z, gm, c, eps2]: &[Vec<f64>; 6], j: usize, sums: &mut [Vec<f6
         let r2 = dx * dx + dy * dy + dz * dz;
         // The larger cut-off is the smaller inverse.
         let per_cutoff = if c[i] < cj { c[i] } else { cj };
-        let k = soft_part(r2.sqrt() * per_cutoff);
         // K is zero at the body itself: a floor keeps the quotient finite.
-        let q2 = r2 + (eps2[i] + ej) + 1e-200;
-        let pull = gm * k / (q2 * q2.sqrt());
+        let floored = r2 + 1e-200;
+        let r = floored.sqrt();
+        let k = soft_part(r * per_cutoff);
+        let cube = if SOFTENED {
+            let q2 = floored + (eps2[i] + ej);
+            q2 * q2.sqrt()
+        } else {
+            floored * r
+        };
+        let pull = gm * k / cube;
         sx[i] += pull * dx;
         sy[i] += pull * dy;
         sz[i] += pull * dz;

@@ -72,8 +72,27 @@ fn miss(m: [f64; 2], dt: f64) -> f64 {
 
 #[test]
 fn an_encounter_leaves_the_bodies_where_gauss_radau_does() {
-    let (coarse, fine) = (miss([1e-6, 2e-6], 0.06), miss([1e-6, 2e-6], 0.03));
-    assert!(coarse < 5e-6 && fine < 2.4e-6, "{coarse:e} {fine:e}");
+    // They pass each other at 1/40 of their Hill radius.
+    let misses = [0.03, 0.015, 0.0075].map(|dt| miss([1e-6, 2e-6], dt));
+    for pair in misses.windows(2) {
+        assert!(
+            ((pair[0] / pair[1]).log2() - 2.05).abs() < 0.1,
+            "{misses:?}"
+        );
+    }
+    assert!(misses[2] < 1e-7, "{misses:?}");
+}
+
+#[test]
+fn a_body_without_mass_passes_a_planet_as_gauss_radau_takes_it() {
+    for light in [0.0, 1e-17] {
+        let misses = [0.03, 0.015, 0.0075].map(|dt| miss([light, 1e-5], dt));
+
+        for pair in misses.windows(2) {
+            assert!(((pair[0] / pair[1]).log2() - 2.0).abs() < 0.1, "{misses:?}");
+        }
+        assert!(misses[2] < 1.4e-6, "{misses:?}");
+    }
 }
 
 #[test]
@@ -171,10 +190,73 @@ fn two_that_fall_on_each_other_stop_at_their_touch_with_their_energy() {
 }
 
 #[test]
-fn bodies_at_the_same_place_stay_together() {
+fn bodies_at_the_same_place_go_as_one() {
     let (mut star, mut bodies) = overtaking([1e-6, 1e-6]);
     (bodies.x[1], bodies.v[1]) = (bodies.x[0], bodies.v[0]);
     forward(&mut star, &mut bodies, 0.05, 20);
-    assert!(((bodies.x[0] - star.x[0]).norm() - 1.0).abs() < 1e-4);
+    let (mut other, mut one) = overtaking([2e-6, 0.0]);
+    one.x[1] = -one.x[1];
+    one.v[1] = -one.v[1];
+    forward(&mut other, &mut one, 0.05, 20);
     assert_eq!(bodies.x[0], bodies.x[1]);
+    let apart = (bodies.x[0] - one.x[0]).norm();
+    assert!(apart < 4e-16, "{apart:e}");
+}
+
+#[test]
+fn hard_and_soft_force_of_a_pair_are_newtons_together() {
+    let (g, eps2) = (2.0, 1e-4);
+    let mut group = group::Group::default();
+    group.begin(1.0, g);
+    for cutoff in [0.3, 0.4] {
+        group.add(Member {
+            m: 1.0,
+            eps2: 0.5 * eps2,
+            cutoff,
+            ..Member::default()
+        });
+    }
+    for k in 1..60 {
+        let r2 = (0.01 * f64::from(k)).powi(2);
+        let both = group.pull(0, 1, r2) + soft::soft_pull(g, r2, eps2, 0.4);
+        let newton = g / (r2 + eps2).powf(1.5);
+        assert!((both / newton - 1.0).abs() < 1e-14, "{r2}");
+    }
+}
+
+/// Root mean square error, in units of the root mean square, of the soft field of `n` bodies with a planet and softening.
+fn field_error(n: u32) -> f64 {
+    let (star, mut bodies) = ring(n, 1e-8, 2e-5);
+    (bodies.kind[7], bodies.m[7]) = (Kind::Planet as u32, 1e-5);
+    // Every 50th with a wide cut-off, so that many are within.
+    (0..n as usize).step_by(50).for_each(|i| bodies.m[i] = 1e-6);
+    for i in 0..n as usize / 2 {
+        bodies.softening[i] = 1e-4;
+    }
+    let mut map = map(0.02, true);
+    map.soft = soft::Soft::new(Settings {
+        accuracy: Accuracy::ForceError(1e-4),
+        method: Method::Tree,
+        constant: 1.0,
+    });
+    map.prepare(&star, &mut bodies);
+    let (mut error, mut all) = (0.0, 0.0);
+    for i in 0..n as usize {
+        let mut sum = Vec3::zeros();
+        for j in 0..n as usize {
+            let d = bodies.x[j] - bodies.x[i];
+            let eps2 = bodies.softening[i].powi(2) + bodies.softening[j].powi(2);
+            let cutoff = map.hybrid.cutoffs[i].max(map.hybrid.cutoffs[j]);
+            sum += d * (soft::soft_pull(1.0, d.norm_squared(), eps2, cutoff) * bodies.m[j]);
+        }
+        error += (bodies.a[i] - sum).norm_squared();
+        all += sum.norm_squared();
+    }
+    (error / all).sqrt()
+}
+
+#[test]
+fn the_soft_field_is_the_sum_of_soft_pulls() {
+    let (few, many) = (field_error(500), field_error(3000));
+    assert!(few < 8e-16 && many < 2e-5, "{few:e} {many:e}");
 }
