@@ -340,7 +340,7 @@ impl Gravity {
         if let Some(Changeover { hybrid, .. }) = &mut self.changeover
             && system.bodies_active()
         {
-            hybrid.choose(&system.star, &system.bodies, system.g);
+            hybrid.choose(&system.star, &mut system.bodies, system.g);
             for field in &mut self.fields {
                 field.solver.resolve(hybrid.typical());
             }

@@ -35,6 +35,8 @@ columns! {
         density: Real = Label::checkpoint("MaterialDensities", Dimension::DENSITY, "material density of a body without mass"),
         /// softening length of gravity (Plummer)
         softening: Real = Label::checkpoint("Softenings", Dimension::LENGTH, "softening length of gravity"),
+        /// cut-off radius of the hybrid map; empty without it
+        cutoff: Real = Label::checkpoint("Cutoffs", Dimension::LENGTH, "cut-off radius of the hybrid map").optional(),
         /// a [`Kind`]
         kind: Short = Label::checkpoint("Kinds", Dimension::NONE, "0 planetesimal, 1 planet, 2 star"),
         /// smoothing length of the gas around; zero if unknown

@@ -53,7 +53,7 @@ pub struct Stuck {
     pub reason: Reason,
 }
 
-/// The map; keeps its buffers, but nothing of a step, between calls.
+/// The map; keeps its buffers, but nothing of a step, between calls: bodies carry their cut-offs.
 #[derive(Debug, Default)]
 pub struct Hybrid {
     pub cutoff: Cutoff,
@@ -146,6 +146,10 @@ impl Hybrid {
     /// The bracket of the Hamiltonian, bodies heliocentric.
     fn cross(&mut self, bodies: &mut Bodies, [mu, g]: [f64; 2], dt: f64) -> Result<(), Stuck> {
         self.weigh(bodies, [mu, g], dt, |i| (bodies.x[i], bodies.v[i]));
+        if bodies.cutoff.len() == self.cutoffs.len() {
+            // Those of the kick: both parts of a pair's force must add up to the whole.
+            self.cutoffs.clone_from(&bodies.cutoff);
+        }
         self.neighbours.find(&Swarm {
             m: &bodies.m,
             x: &bodies.x,
@@ -217,7 +221,8 @@ impl Hybrid {
         let cutoff = self.cutoff;
         let one = |(i, (c, bend)): (usize, (&mut f64, &mut f64))| {
             let (q, u) = state(i);
-            *c = cutoff.radius(&centre, bodies.m[i], bodies.radius[i], (q, u));
+            let old = bodies.cutoff.get(i).copied().unwrap_or(0.0);
+            *c = cutoff.radius(&centre, [bodies.m[i], bodies.radius[i], old], (q, u));
             let q2 = q.norm_squared();
             // Further bending than by the distance itself means nothing.
             *bend = (mu * dt * dt / (q2 * q2.sqrt())).min(1.0);
@@ -231,8 +236,8 @@ impl Hybrid {
         }
     }
 
-    /// Chooses the cut-offs of bodies in inertial coordinates.
-    pub fn choose(&mut self, star: &Bodies, bodies: &Bodies, g: f64) {
+    /// Chooses the cut-offs of bodies in inertial coordinates, for this tick's kick and the drift after it.
+    pub fn choose(&mut self, star: &Bodies, bodies: &mut Bodies, g: f64) {
         let (Some(&m_star), Some(&x_star), Some(&v_star)) =
             (star.m.first(), star.x.first(), star.v.first())
         else {
@@ -246,6 +251,7 @@ impl Hybrid {
         self.weigh(bodies, [g * m_star, g], 0.0, |i| {
             (bodies.x[i] - x_star, bodies.v[i] - v_cm)
         });
+        bodies.cutoff.clone_from(&self.cutoffs);
     }
 
     /// Takes the hard parts of all pairs but planets' off the accelerations `a` of bodies where they are now, with the cut-offs of
