@@ -2,9 +2,11 @@
 //!
 //! c = max(hill r_H, crossing e v dt, 2.5 R/gamma), r_H = p (m/3M)^(1/3) the Hill radius, e v = e sqrt(G M/p) the random velocity, p the
 //! semi-latus rectum: constants of the orbit, rounded up to two bits, so that a cut-off stays what it is while perturbations are
-//! small. Measured (`examples/encounters.rs`, 100 steps a year, one thread, CPU s a year and end |dE/E|): disc N = 100, 100 yr: 0.008 and
-//! 2e-9; N = 300: 0.07 and 2e-9; N = 1000, 10 yr: 0.58 and 8e-9; annulus N = 1e4, 1.1 yr: 2.5 and 3e-9. Crossings 0 to 3 differ by
-//! less than noise. 2 Hill radii: annulus 5e-10, but after a deep encounter at 105 steps an orbit places are 12 times worse. A pair's cut-off is the larger of two. Touching bodies are always within the inner radius.
+//! small. A pair's cut-off is the larger of two. Touching bodies are always within the inner radius.
+//! Measured with the defaults by `examples/encounters.rs`, 100 steps a year, one thread, CPU s a year and end |dE/E|: disc N = 100,
+//! 100 yr: 0.008, 2e-9; N = 300: 0.07, 2e-9; N = 1000, 10 yr: 0.58, 8e-9; annulus N = 1e4, 1.1 yr: 2.5, 3e-9. Crossings 0 to 3 and the
+//! disc's 2 to 5 Hill radii differ without order. 2 Hill radii: annulus 5e-10, but places after a deep encounter at 105 steps an orbit
+//! are 12 times worse.
 //! Source: Ishigaki, Kominami, Makino, Fujimoto & Iwasawa (2021), section 2.2, for individual radii.
 
 use super::changeover::INNER;
