@@ -120,7 +120,8 @@ fn growth(populations: &[Population], orbits: usize, seed: u64) -> Vec<Squares> 
     let before = each(&star, &bodies);
     map.prepare(&star, &mut bodies);
     for _ in 0..orbits * STEPS_AN_ORBIT {
-        if map.step(&mut star, &mut bodies).is_err() {
+        if let Err(stuck) = map.step(&mut star, &mut bodies) {
+            eprintln!("body {}: {}", bodies.id[stuck.place], stuck.reason);
             return vec![[f64::NAN; 2]; populations.len()];
         }
     }

@@ -48,6 +48,8 @@ const MOST_ITERATIONS: usize = 12;
 const STANDS: f64 = 1e-15;
 /// Above this relative change an iteration has not come to an end.
 const ROUNDING: f64 = 1e-7;
+/// The origin is moved to a pair that is closer than this part of its distance.
+const FAR: f64 = 3.0;
 /// Bodies are bound this little within their contact, so that it is one for everybody.
 const DEPTH: f64 = 1e-9;
 
@@ -67,6 +69,7 @@ impl Radau {
             if h <= 1e-14 * dt || h.is_nan() {
                 return Err(Stall);
             }
+            self.settle(group.bodies.len());
             self.begin(group);
             self.predict(if last > 0.0 { h / last } else { 0.0 });
             let error = self.iterate(group, h);
@@ -115,6 +118,39 @@ impl Radau {
                 block.v[c % LANES] = body.v[axis] - first.v[axis];
             }
         }
+    }
+
+    /// Has positions and velocities count from a member of the closest pair where that is nearer to it than they are to the origin:
+    /// else what a deep encounter needs is lost in rounding, and no step is short enough.
+    fn settle(&mut self, n: usize) {
+        let state = |i: usize, v: bool| {
+            Vec3::from_fn(|axis, _| {
+                let (block, l) = self.component(i, axis);
+                if v { block.v[l] } else { block.x[l] }
+            })
+        };
+        let mut closest = (f64::INFINITY, 0);
+        for i in 0..n {
+            let x = state(i, false);
+            for j in 0..i {
+                let d2 = (x - state(j, false)).norm_squared();
+                if d2 < closest.0 {
+                    closest = (d2, j);
+                }
+            }
+        }
+        let (d2, reference) = closest;
+        let (x, v) = (state(reference, false), state(reference, true));
+        if d2 == 0.0 || x.norm_squared() <= FAR * FAR * d2 {
+            return;
+        }
+        for c in 0..3 * n {
+            let block = &mut self.blocks[c / LANES];
+            block.x[c % LANES] -= x[c % 3];
+            block.v[c % LANES] -= v[c % 3];
+        }
+        self.origin += x;
+        self.way += v;
     }
 
     /// Hands the group its state at `fraction` of the step of `h`.
