@@ -158,7 +158,7 @@ fn rows(populations: &[Population], orbits: usize, references: &[Squares]) -> Ve
 /// 800 bodies of 1e-9, to 150 orbits.
 pub fn equal_masses() -> Vec<Row> {
     let population = Population {
-        density: 1273.239_544_74,
+        density: 1_273.239_544_74,
         mass: 1e-9,
         e2: 4e-6,
         i2: 1e-6,
