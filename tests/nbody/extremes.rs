@@ -52,7 +52,7 @@ fn sound(case: &str, integrator: &str, run: &Done, bodies: usize) {
         let bar = match integrator {
             "leapfrog" => 4e-3,
             "gauss-radau" => 1e-12,
-            "hermite" => 2e-9,
+            "hermite" => 6e-8,
             _ => 1e-6,
         };
         assert!(energy < bar, "{case}, {integrator}: energy {energy:e}");
