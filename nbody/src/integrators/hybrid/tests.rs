@@ -263,26 +263,29 @@ fn the_soft_field_is_the_sum_of_soft_pulls() {
     assert!(few < 5e-15 && many < 2e-5, "{few:e} {many:e}");
 }
 
-/// Two points that fall past each other at a millionth of the place where they meet keep their energy, and go on.
+/// Two points that fall past each other, with a third not far, keep their energy and go on.
 #[test]
 fn a_deep_encounter_of_points_is_no_obstacle() {
-    for miss in [1e-4, 1e-7, 1e-9] {
-        let bodies = set(
-            Kind::Planetesimal,
-            &[1e-9, 1e-9],
-            &[[1.0, 0.0, 0.0], [1.0, 1e-3, 0.0]],
-            &[[miss, 1.0 + 1e-3, 0.0], [0.0, 1.0 - 1e-3, 0.0]],
-        );
-        let (mut star, mut bodies) = (sun(1.0), bodies);
-        let mut map = map(0.06, false);
-        map.prepare(&star, &mut bodies);
-        let before = energy(1.0, &star, &bodies);
-        for _ in 0..30 {
-            map.step(&mut star, &mut bodies).expect("a way");
-        }
-        let error = (energy(1.0, &star, &bodies) / before - 1.0).abs();
-        println!("miss {miss:e}: energy {error:e}");
-        // A hundredth of the pair's own energy, 1e-6 of the whole.
-        assert!(error < 1e-8, "miss {miss:e}: {error:e}");
+    let miss = 1e-4;
+    let bodies = set(
+        Kind::Planetesimal,
+        &[1e-9, 1e-9, 1e-9],
+        &[[1.0, -3e-3, 0.0], [1.0, 0.0, 0.0], [1.0, 1e-4, 0.0]],
+        &[
+            [0.0, 1.0, 0.0],
+            [miss, 1.0 + 1e-3, 0.0],
+            [0.0, 1.0 - 1e-3, 0.0],
+        ],
+    );
+    let (mut star, mut bodies) = (sun(1.0), bodies);
+    let mut map = map(0.06, false);
+    map.prepare(&star, &mut bodies);
+    let before = energy(1.0, &star, &bodies);
+    for _ in 0..30 {
+        map.step(&mut star, &mut bodies).expect("a way");
     }
+    let error = (energy(1.0, &star, &bodies) / before - 1.0).abs();
+    println!("miss {miss:e}: energy {error:e}");
+    // A hundredth of a pair's own energy, which is 1e-6 of the whole.
+    assert!(error < 1e-8, "miss {miss:e}: {error:e}");
 }
