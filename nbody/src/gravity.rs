@@ -9,7 +9,7 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use crate::points::sort::{Cube, Curve};
-use crate::points::sum::Parts;
+use crate::points::sum::{CHUNK, Parts};
 use crate::points::{Tree, Vec3};
 
 mod cluster;
@@ -17,12 +17,13 @@ mod direct;
 mod kernel;
 mod lanes;
 mod moments;
+mod sources;
 mod walk;
 
 use cluster::{Cluster, Scene};
-use direct::Sources;
 use lanes::Real;
 use moments::Moment;
+use sources::Sources;
 use walk::{Criterion, Forest, Lens};
 
 /// Most targets in a group.
@@ -175,13 +176,15 @@ impl Gravity {
     fn take(&mut self, x: &[Vec3], m: &[f64], softening: &[f64]) {
         assert_eq!(x.len(), m.len(), "a mass a particle");
         assert_eq!(x.len(), softening.len(), "a softening length a particle");
-        let order = &self.curve.order;
-        self.x.clear();
-        self.x.extend(order.iter().map(|&i| x[i as usize]));
-        self.eps2.clear();
-        self.eps2
-            .extend(order.iter().map(|&i| softening[i as usize].powi(2)));
-        self.sources.take(order, x, m, softening);
+        let along = self.curve.order.par_iter().with_min_len(CHUNK);
+        along
+            .clone()
+            .map(|&i| x[i as usize])
+            .collect_into_vec(&mut self.x);
+        along
+            .map(|&i| softening[i as usize].powi(2))
+            .collect_into_vec(&mut self.eps2);
+        self.sources.take(&self.curve.order, m, &self.x, &self.eps2);
     }
 
     /// Groups are the nodes of at most [`GROUP`] particles whose parent has more; likewise clusters.

@@ -11,10 +11,11 @@ use fearless_simd::Level;
 use crate::points::Vec3;
 
 use super::Count;
-use super::direct::{Blocks, Frame, Group, NO_SOURCE, Sources, Target};
+use super::direct::{Blocks, Frame, Group, NO_SOURCE, Target};
 use super::kernel::Pull;
 use super::lanes::Real;
 use super::moments::Moment;
+use super::sources::Sources;
 use super::walk::{Criterion, Forest, Lists, Region};
 
 /// Targets of a group whose acceleration is estimated.

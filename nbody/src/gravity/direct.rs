@@ -1,4 +1,4 @@
-//! Sources in the order of the curve, and the pull of lists of them on one group of targets.
+//! The pull of lists of sources on one group of targets.
 //!
 //! Coordinates are taken relative to the group's centre in units of its size before they are rounded to the element type.
 //! Pairs so close that rounding would be felt are left out by the kernel and summed here in f64 from the positions themselves.
@@ -15,71 +15,8 @@ use super::kernel::{
 };
 use super::lanes::{Job, Lanes, Real};
 use super::moments::Moment;
+use super::sources::Sources;
 use super::walk::Lists;
-
-/// The particles that have mass, along the curve.
-#[derive(Clone, Debug, Default)]
-pub struct Sources {
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-    pub z: Vec<f64>,
-    /// square of the softening length
-    pub eps2: Vec<f64>,
-    /// in units of `total`
-    pub m: Vec<f64>,
-    /// `before[i]`: how many of the particles 0..i along the curve have mass
-    pub before: Vec<u32>,
-    /// total mass
-    pub total: f64,
-}
-
-impl Sources {
-    /// Takes the massive ones of the particles in the given order.
-    pub fn take(&mut self, order: &[u32], x: &[Vec3], m: &[f64], softening: &[f64]) {
-        self.total =
-            crate::points::sum::ordered(m.len(), 0.0, |range| m[range].iter().sum::<f64>());
-        for column in [
-            &mut self.x,
-            &mut self.y,
-            &mut self.z,
-            &mut self.eps2,
-            &mut self.m,
-        ] {
-            column.clear();
-        }
-        self.before.clear();
-        self.before.push(0);
-        let unit = if self.total > 0.0 {
-            1.0 / self.total
-        } else {
-            0.0
-        };
-        for &i in order {
-            let i = i as usize;
-            if m[i] > 0.0 {
-                self.x.push(x[i].x);
-                self.y.push(x[i].y);
-                self.z.push(x[i].z);
-                self.eps2.push(softening[i] * softening[i]);
-                self.m.push(m[i] * unit);
-            }
-            self.before.push(self.x.len() as u32);
-        }
-    }
-
-    /// The sources among the particles of `range` along the curve.
-    pub fn of(&self, range: Range<usize>) -> Range<usize> {
-        self.before[range.start] as usize..self.before[range.end] as usize
-    }
-
-    pub fn position(&self, j: usize) -> Vec3 {
-        Vec3::new(self.x[j], self.y[j], self.z[j])
-    }
-
-    pub fn count(&self) -> usize {
-        self.m.len()
-    }
-}
 
 /// A target: position, square of its softening length, its number among the sources or `NO_SOURCE`.
 #[derive(Clone, Copy, Debug)]

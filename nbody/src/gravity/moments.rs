@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::points::{Tree, Vec3, sum::Parts};
 
-use super::direct::Sources;
+use super::sources::Sources;
 
 /// Moments of one node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use crate::points::{Node, Tree, Vec3};
 
-use super::direct::Sources;
 use super::moments::Moment;
+use super::sources::Sources;
 
 /// Largest opening angle: distance in units of the distance from the centre of mass to the furthest corner of the box.
 const WIDEST: f64 = 0.95;

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::Vec3;
+use super::sum::{CHUNK, Parts};
 
 /// Bits an axis of a Morton key.
 pub const BITS: u32 = 21;
@@ -66,24 +67,88 @@ pub struct Curve {
     pub keys: Vec<u64>,
     /// `order[i]`: where the i-th point along the curve is in the unsorted set.
     pub order: Vec<u32>,
-    pairs: Vec<(u64, u32)>,
+    pairs: Vec<Pair>,
+    spare: Vec<Pair>,
+    counts: Vec<[u32; BUCKETS]>,
 }
+
+/// A key and whose it is.
+type Pair = (u64, u32);
+
+/// Bits that one pass of the sort looks at.
+const DIGIT: u32 = 11;
+const BUCKETS: usize = 1 << DIGIT;
+/// Passes, over the highest bits; what is alike in those is compared.
+const PASSES: u32 = 4;
+/// Bits below those that the passes look at.
+const REST: u32 = 3 * BITS - PASSES * DIGIT;
+/// Pairs that one task moves.
+const SHARE: usize = 1 << 15;
+/// Fewer than this many pairs are compared.
+const FEW: usize = 1 << 11;
 
 impl Curve {
     /// Orders `x` along the Morton curve of `cube`; points of one cell keep their order.
     pub fn thread(&mut self, x: &[Vec3], cube: Cube) {
         assert!(x.len() < u32::MAX as usize, "particle numbers fit 32 bits");
-        self.pairs.clear();
-        self.pairs.par_extend(
-            x.par_iter()
-                .enumerate()
-                .map(|(i, &p)| (cube.key(p), i as u32)),
-        );
-        self.pairs.par_sort_unstable();
+        x.par_iter()
+            .enumerate()
+            .with_min_len(CHUNK)
+            .map(|(i, &p)| (cube.key(p), i as u32))
+            .collect_into_vec(&mut self.pairs);
+        if x.len() < FEW {
+            self.pairs.sort_unstable();
+        } else {
+            for pass in 0..PASSES {
+                self.pass(REST + pass * DIGIT);
+            }
+            self.pairs
+                .chunk_by_mut(|a, b| a.0 >> REST == b.0 >> REST)
+                .filter(|alike| alike.len() > 1)
+                .for_each(<[Pair]>::sort_unstable);
+        }
         self.keys.clear();
         self.keys.extend(self.pairs.iter().map(|p| p.0));
         self.order.clear();
         self.order.extend(self.pairs.iter().map(|p| p.1));
+    }
+
+    /// Sorts the pairs by the digit above the lowest `shift` bits and leaves those alike in their order, a counting sort.
+    fn pass(&mut self, shift: u32) {
+        let digit = |pair: &Pair| (pair.0 >> shift) as usize % BUCKETS;
+        self.pairs
+            .par_chunks(SHARE)
+            .map(|share| {
+                let mut counts = [0; BUCKETS];
+                for pair in share {
+                    counts[digit(pair)] += 1;
+                }
+                counts
+            })
+            .collect_into_vec(&mut self.counts);
+        let mut sum = 0;
+        for bucket in 0..BUCKETS {
+            for counts in &mut self.counts {
+                let count = std::mem::replace(&mut counts[bucket], sum);
+                sum += count;
+            }
+        }
+        self.spare.resize(self.pairs.len(), (0, 0));
+        let spare = Parts::new(&mut self.spare);
+        self.pairs
+            .par_chunks(SHARE)
+            .zip(&mut self.counts)
+            .for_each(|(share, places)| {
+                for pair in share {
+                    let place = &mut places[digit(pair)];
+                    let k = *place as usize;
+                    let own = k..k + 1;
+                    // SAFETY: the counts give each pair a place of its own.
+                    unsafe { spare.part(own)[0] = *pair };
+                    *place += 1;
+                }
+            });
+        std::mem::swap(&mut self.pairs, &mut self.spare);
     }
 }
 
@@ -109,6 +174,26 @@ mod tests {
             let f = |k: f64| (f64::from(i) * k).fract();
             let x = Vec3::new(f(0.618_034), f(0.414_214), f(0.732_051));
             assert_eq!(cube.key(x), slow(x));
+        }
+    }
+
+    #[test]
+    fn many_points_are_threaded_as_by_comparison() {
+        // On a line half of the bits are alike; in clumps the low ones decide; coincident points keep their order.
+        let f = |i: u32, k: f64| (f64::from(i) * k).fract();
+        let line = |i| Vec3::new(f(i, 0.618_034), 0.5, 0.5);
+        let clumps =
+            |i| Vec3::repeat(f64::from(i % 3)) + 1e-6 * Vec3::new(f(i, 0.4), f(i, 0.7), f(i, 0.3));
+        let same = |_| Vec3::repeat(0.3);
+        let n = 3 * SHARE as u32 + 17;
+        for points in [&line as &dyn Fn(u32) -> Vec3, &clumps, &same] {
+            let x: Vec<Vec3> = (0..n).map(points).collect();
+            let cube = Cube::around(&x);
+            let mut curve = Curve::default();
+            curve.thread(&x, cube);
+            let mut expected: Vec<u32> = (0..n).collect();
+            expected.sort_by_key(|&i| cube.key(x[i as usize]));
+            assert!(curve.order == expected);
         }
     }
 
