@@ -156,9 +156,13 @@ impl Gravity {
     pub fn build(&mut self, x: &[Vec3], m: &[f64], softening: &[f64]) {
         self.curve.thread(x, Cube::around(x));
         self.place.resize(x.len(), 0);
-        for (place, &i) in self.curve.order.iter().enumerate() {
-            self.place[i as usize] = place as u32;
-        }
+        let (places, order) = (Parts::new(&mut self.place), &self.curve.order);
+        let along = order.par_iter().enumerate().with_min_len(CHUNK);
+        along.for_each(|(place, &i)| {
+            let own = i as usize..i as usize + 1;
+            // SAFETY: each particle has one place along the curve.
+            unsafe { places.part(own)[0] = place as u32 };
+        });
         self.take(x, m, softening);
         self.tree.build(&self.x, &self.curve.keys, LEAF);
         self.group();

@@ -3,9 +3,7 @@
 //! S = sum m (x - c)(x - c), exactly shifted from children to parents: S_parent = sum S + m (c - c_parent)(c - c_parent).
 //! Masses are in units of the total mass, the rest in code units. eps^2 is the mass-weighted mean of the squares.
 
-use rayon::prelude::*;
-
-use crate::points::{Tree, Vec3, sum::Parts};
+use crate::points::{Node, Tree, Vec3};
 
 use super::sources::Sources;
 
@@ -58,26 +56,16 @@ impl Moment {
 
 /// Moments of all nodes of `tree`, leaves from their particles, parents from their children.
 pub fn refresh(tree: &Tree, sources: &Sources, moments: &mut Vec<Moment>) {
-    moments.clear();
-    moments.resize(tree.nodes.len(), Moment::default());
-    let parts = Parts::new(moments);
-    tree.leaves.par_iter().with_min_len(64).for_each(|&leaf| {
-        let leaf = leaf as usize;
-        let points = sources.of(tree.nodes[leaf].range()).map(|j| Moment {
+    let leaf = |node: &Node| {
+        Moment::of(sources.of(node.range()).map(|j| Moment {
             m: sources.m[j],
             centre: sources.position(j),
             eps2: sources.eps2[j],
             second: [0.0; 6],
-        });
-        // SAFETY: each leaf is listed once.
-        let moment = &mut unsafe { parts.part(leaf..leaf + 1) }[0];
-        *moment = Moment::of(points);
-    });
-    for i in (0..tree.nodes.len()).rev() {
-        if let Some((left, right)) = tree.children(i) {
-            moments[i] = Moment::of([moments[left], moments[right]].into_iter());
-        }
-    }
+        }))
+    };
+    let both = |a, b| Moment::of([a, b].into_iter());
+    tree.accumulate(moments, &leaf, &both);
 }
 
 #[cfg(test)]

@@ -107,10 +107,9 @@ impl Curve {
                 .filter(|alike| alike.len() > 1)
                 .for_each(<[Pair]>::sort_unstable);
         }
-        self.keys.clear();
-        self.keys.extend(self.pairs.iter().map(|p| p.0));
-        self.order.clear();
-        self.order.extend(self.pairs.iter().map(|p| p.1));
+        let pairs = self.pairs.par_iter().with_min_len(CHUNK);
+        pairs.clone().map(|p| p.0).collect_into_vec(&mut self.keys);
+        pairs.map(|p| p.1).collect_into_vec(&mut self.order);
     }
 
     /// Sorts the pairs by the digit above the lowest `shift` bits and leaves those alike in their order, a counting sort.

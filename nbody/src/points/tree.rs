@@ -5,8 +5,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::{Domain, Vec3};
 
 /// A box with the particles first..end in it.
@@ -80,24 +78,8 @@ impl Tree {
 
     /// Fits all boxes to the present positions; the particles' order is that of the build.
     pub fn refit(&mut self, x: &[Vec3]) {
-        let nodes = super::sum::Parts::new(&mut self.nodes);
-        self.leaves.par_iter().with_min_len(64).for_each(|&leaf| {
-            let leaf = leaf as usize;
-            // SAFETY: each leaf is listed once.
-            let node = &mut unsafe { nodes.part(leaf..leaf + 1) }[0];
-            let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-            (node.lo, node.hi) = x[node.range()]
-                .iter()
-                .fold(empty, |(lo, hi), p| (lo.inf(p), hi.sup(p)));
-        });
-        for i in (0..self.nodes.len()).rev() {
-            if let Some((left, right)) = self.children(i) {
-                let (lo, hi) = (
-                    self.nodes[left].lo.inf(&self.nodes[right].lo),
-                    self.nodes[left].hi.sup(&self.nodes[right].hi),
-                );
-                (self.nodes[i].lo, self.nodes[i].hi) = (lo, hi);
-            }
+        if !self.nodes.is_empty() {
+            fit(&mut self.nodes, 0, x);
         }
     }
 
@@ -111,21 +93,48 @@ impl Tree {
         self.nodes[node].skip as usize == node + 1
     }
 
+    /// For every node a value, into `values`: of a leaf as `leaf` says, else what `both` makes of the children's.
+    pub fn accumulate<T: Copy + Default + Send>(
+        &self,
+        values: &mut Vec<T>,
+        leaf: &(impl Fn(&Node) -> T + Sync),
+        both: &(impl Fn(T, T) -> T + Sync),
+    ) {
+        values.clear();
+        values.resize(self.nodes.len(), T::default());
+        if !values.is_empty() {
+            self.rise(0, values, leaf, both);
+        }
+    }
+
+    /// [`Tree::accumulate`] for `node` and its descendants, whose values are `values`.
+    fn rise<T: Copy + Send>(
+        &self,
+        node: usize,
+        values: &mut [T],
+        leaf: &(impl Fn(&Node) -> T + Sync),
+        both: &(impl Fn(T, T) -> T + Sync),
+    ) -> T {
+        let (own, rest) = values.split_at_mut(1);
+        own[0] = match self.children(node) {
+            None => leaf(&self.nodes[node]),
+            Some((left, right)) => {
+                let (lefts, rights) = rest.split_at_mut(right - left);
+                let (a, b) = parallel_from(
+                    self.nodes[node].count(),
+                    || self.rise(left, lefts, leaf, both),
+                    || self.rise(right, rights, leaf, both),
+                );
+                both(a, b)
+            }
+        };
+        own[0]
+    }
+
     /// For every node the largest `value` of its particles, into `most`.
     pub fn largest(&self, value: impl Fn(usize) -> f64 + Sync, most: &mut Vec<f64>) {
-        most.clear();
-        most.resize(self.nodes.len(), f64::NEG_INFINITY);
-        for &leaf in &self.leaves {
-            let leaf = leaf as usize;
-            most[leaf] = self.nodes[leaf]
-                .range()
-                .fold(f64::NEG_INFINITY, |m, i| m.max(value(i)));
-        }
-        for i in (0..self.nodes.len()).rev() {
-            if let Some((left, right)) = self.children(i) {
-                most[i] = most[left].max(most[right]);
-            }
-        }
+        let leaf = |node: &Node| node.range().fold(f64::NEG_INFINITY, |m, i| m.max(value(i)));
+        self.accumulate(most, &leaf, &f64::max);
     }
 
     /// Calls `visit(range, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
@@ -163,6 +172,46 @@ impl Tree {
             }
         });
     }
+}
+
+/// Particles below which two subtrees are not worth two tasks.
+const FEW: usize = 4096;
+
+/// Both, at the same time if they are of many particles.
+fn parallel_from<A: Send, B: Send>(
+    particles: usize,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if particles > FEW {
+        rayon::join(a, b)
+    } else {
+        (a(), b())
+    }
+}
+
+/// Fits the boxes of a node, number `at`, and of its descendants, which follow it in `nodes`; returns its box.
+fn fit(nodes: &mut [Node], at: usize, x: &[Vec3]) -> (Vec3, Vec3) {
+    let (own, rest) = nodes.split_at_mut(1);
+    let own = &mut own[0];
+    (own.lo, own.hi) = match rest.first().map(|left| left.skip as usize - at - 1) {
+        None => {
+            let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+            x[own.range()]
+                .iter()
+                .fold(empty, |(lo, hi), p| (lo.inf(p), hi.sup(p)))
+        }
+        Some(size) => {
+            let (left, right) = rest.split_at_mut(size);
+            let (a, b) = parallel_from(
+                own.count(),
+                || fit(left, at + 1, x),
+                || fit(right, at + 1 + size, x),
+            );
+            (a.0.inf(&b.0), a.1.sup(&b.1))
+        }
+    };
+    (own.lo, own.hi)
 }
 
 /// Where the sorted keys of first..end part: at the highest bit in which they differ.
