@@ -6,6 +6,7 @@ pub mod clock;
 pub mod columns;
 pub mod domain;
 pub mod fault;
+mod level;
 pub mod random;
 pub mod sort;
 pub mod sum;

@@ -1,6 +1,6 @@
 //! Instruction sets: one vectorised source for f32 and f64 on AVX-512, AVX2 and whatever else the machine offers.
 
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdFloatElement, dispatch};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdFloatElement};
 
 /// f32 or f64.
 pub trait Real: SimdFloatElement + PartialOrd {
@@ -146,7 +146,16 @@ macro_rules! runs {
                         #[inline(always)]
                         || job.run::<_, $avx2>(simd),
                     ),
-                    other => dispatch!(other, simd => job.run::<_, Exact>(simd)),
+                    #[cfg(target_arch = "x86_64")]
+                    older => {
+                        let simd = older.as_sse2().expect("SSE2 belongs to x86-64");
+                        simd.vectorize(
+                            #[inline(always)]
+                            || job.run::<_, Exact>(simd),
+                        )
+                    }
+                    #[cfg(not(target_arch = "x86_64"))]
+                    other => fearless_simd::dispatch!(other, simd => job.run::<_, Exact>(simd)),
                 }
             }
         }

@@ -9,7 +9,7 @@
 
 use std::sync::LazyLock;
 
-use fearless_simd::{Level, Select, Simd, SimdFloat, SimdMask, dispatch, f64x4, f64x8};
+use fearless_simd::{Level, Select, Simd, SimdFloat, SimdMask, f64x4, f64x8};
 
 use super::{Refusal, SERIES, drift};
 use crate::points::Vec3;
@@ -168,7 +168,7 @@ fn series<S: Simd, V: Wide<S>>(simd: S, beta: V, s: V) -> [V; 4] {
 pub fn drift_all(mu: f64, dt: f64, x: &mut [Vec3], v: &mut [Vec3]) -> Result<(), (usize, Refusal)> {
     assert!(mu >= 0.0, "a centre attracts");
     assert_eq!(x.len(), v.len(), "a velocity a body");
-    dispatch!(*LEVEL, simd => every(simd, mu, dt, x, v))
+    crate::widest!(*LEVEL, simd => every(simd, mu, dt, x, v))
 }
 
 #[inline(always)]
