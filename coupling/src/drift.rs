@@ -3,7 +3,7 @@
 
 use nbody::integrators::gauss_radau::GaussRadau;
 use nbody::integrators::wisdom_holman::jacobi::{Jacobi, Scheme};
-use nbody::integrators::{Ahead, Stuck, wisdom_holman};
+use nbody::integrators::{Ahead, Stuck, leapfrog, wisdom_holman};
 use nbody::points::{Fault, Population, Vec3};
 
 use crate::System;
@@ -72,19 +72,22 @@ impl Operator for DriftStraight {
         meter.enter(Phase::Bodies);
         let dt = elapsed(system);
         let active = system.bodies_active();
+        if active {
+            leapfrog::drift(&mut system.star, dt);
+            leapfrog::drift(&mut system.bodies, dt);
+            system.look();
+            return Ok(true);
+        }
         let seen = &mut system.seen;
         for (bodies, x) in [
-            (&mut system.star, &mut seen.star_x),
-            (&mut system.bodies, &mut seen.x),
+            (&system.star, &mut seen.star_x),
+            (&system.bodies, &mut seen.x),
         ] {
-            for ((seen, x), v) in x.iter_mut().zip(&mut bodies.x).zip(&bodies.v) {
+            for ((seen, x), v) in x.iter_mut().zip(&bodies.x).zip(&bodies.v) {
                 *seen = *x + *v * dt;
-                if active {
-                    *x = *seen;
-                }
             }
         }
-        Ok(active)
+        Ok(false)
     }
 }
 

@@ -11,7 +11,7 @@ use coupling::drift::{
 use coupling::external::{
     Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
 };
-use coupling::gravity::{Gravity, Mutual, Plan, Softening};
+use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::{Operator, Splitting, System};
 use nbody::gravity as solver;
@@ -329,7 +329,10 @@ fn operators(
             (_, Some(scheme)) => Box::new(DriftJacobi { scheme, step }),
             (Integrator::WisdomHolman | Integrator::Auto, _) => Box::new(DriftKepler::default()),
             (Integrator::Leapfrog, _) => Box::new(DriftStraight),
-            (Integrator::Hybrid, _) => Box::new(DriftHybrid::new(hybrid(scene, step))),
+            (Integrator::Hybrid, _) => match &plan.mutual {
+                Mutual::Changeover(meetings) => Box::new(DriftHybrid::new(meetings.clone())),
+                Mutual::Kick | Mutual::Drift => unreachable!("the hybrid map has a changeover"),
+            },
             (Integrator::Hermite, _) => Box::new(DriftHermite::new(kicked, step)),
             (Integrator::GaussRadau, _) => Box::new(DriftRadau::new(kicked, step)),
         });
@@ -454,10 +457,7 @@ fn plan(scene: &Scene, integrator: Integrator, step: f64) -> Plan {
     };
     let mutual = match integrator {
         Integrator::GaussRadau | Integrator::Hermite => Mutual::Drift,
-        Integrator::Hybrid => Mutual::Changeover {
-            cutoff: cutoff(scene),
-            step,
-        },
+        Integrator::Hybrid => Mutual::Changeover(Meetings::new(hybrid(scene, step))),
         _ if jacobi(scene, integrator).is_some() => Mutual::Drift,
         _ => Mutual::Kick,
     };
@@ -472,5 +472,6 @@ fn plan(scene: &Scene, integrator: Integrator, step: f64) -> Plan {
         dust: length(scene.dust.as_ref().map(|d| d.softening)),
         star_in_kick: integrator == Integrator::Leapfrog,
         mutual,
+        held_back: scene.run.write_accelerations,
     }
 }

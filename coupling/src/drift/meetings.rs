@@ -1,11 +1,11 @@
 //! Drifts of bodies that meet: the hybrid map with its clusters, and the Hermite integrator.
 
 use nbody::integrators::hermite::{Hermite, Masses};
-use nbody::integrators::hybrid::Hybrid;
 use nbody::points::{Fault, Population};
 
 use super::{DriftKepler, elapsed};
 use crate::System;
+use crate::gravity::Meetings;
 use crate::operator::{Meter, Operator, Phase};
 
 fn stuck(system: &System, place: usize, reason: String) -> Fault {
@@ -20,14 +20,14 @@ fn stuck(system: &System, place: usize, reason: String) -> Fault {
 /// Moves star and bodies by the hybrid map: Kepler orbits for those alone, an integration for those within each other's cut-off.
 /// Pairs that touch are handed on in [`System::touches`].
 pub struct DriftHybrid {
-    hybrid: Hybrid,
+    meetings: Meetings,
     kepler: DriftKepler,
 }
 
 impl DriftHybrid {
-    pub fn new(hybrid: Hybrid) -> Self {
+    pub fn new(meetings: Meetings) -> Self {
         Self {
-            hybrid,
+            meetings,
             kepler: DriftKepler::default(),
         }
     }
@@ -51,9 +51,10 @@ impl Operator for DriftHybrid {
         let dt = elapsed(system);
         meter.count(system.bodies.x.len(), 0);
         let (star, bodies) = (&mut system.star, &mut system.bodies);
-        let moved = self.hybrid.drift(star, bodies, system.g, dt);
+        let mut map = self.meetings.map();
+        let moved = map.drift(star, bodies, system.g, dt);
         moved.map_err(|s| stuck(system, s.place, s.reason.to_string()))?;
-        system.touches.extend_from_slice(&self.hybrid.touches);
+        system.touches.extend_from_slice(&map.touches);
         system.look();
         Ok(true)
     }

@@ -76,6 +76,7 @@ fn advance(system: &mut System, operator: Box<dyn Operator>, step: f64, end: f64
         dust: Softening::Length(0.0),
         star_in_kick: false,
         mutual: Mutual::Kick,
+        held_back: false,
     };
     let mut splitting = Splitting::new(vec![
         Box::new(Gravity::new(plan)),
