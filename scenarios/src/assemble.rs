@@ -5,8 +5,7 @@
 use coupling::accretion::{Accretion, Collisions};
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{
-    DriftDust, DriftGas, DriftHermite, DriftHybrid, DriftJacobi, DriftKepler, DriftRadau,
-    DriftStraight,
+    Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
 };
 use coupling::external::{
     Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
@@ -325,16 +324,15 @@ fn operators(
         list.push(Box::new(DriftDust));
     }
     if moving {
-        list.push(match (integrator, jacobi) {
-            (_, Some(scheme)) => Box::new(DriftJacobi { scheme, step }),
-            (Integrator::WisdomHolman | Integrator::Auto, _) => Box::new(DriftKepler::default()),
-            (Integrator::Leapfrog, _) => Box::new(DriftStraight),
-            (Integrator::Hybrid, _) => match &plan.mutual {
-                Mutual::Changeover(meetings) => Box::new(DriftHybrid::new(meetings.clone())),
-                Mutual::Kick | Mutual::Drift => unreachable!("the hybrid map has a changeover"),
-            },
-            (Integrator::Hermite, _) => Box::new(DriftHermite::new(kicked, step)),
-            (Integrator::GaussRadau, _) => Box::new(DriftRadau::new(kicked, step)),
+        list.push(match (integrator, jacobi, &plan.mutual) {
+            (_, Some(scheme), _) => Box::new(DriftBodies::new(JacobiMap { scheme, step })),
+            (_, _, Mutual::Changeover(meetings)) => {
+                Box::new(DriftBodies::new(Encounters(meetings.clone())))
+            }
+            (Integrator::Leapfrog, ..) => Box::new(DriftBodies::new(Straight)),
+            (Integrator::Hermite, ..) => Box::new(DriftBodies::new(Blocks::new(kicked, step))),
+            (Integrator::GaussRadau, ..) => Box::new(DriftBodies::new(Radau { kicked, step })),
+            _ => Box::new(DriftBodies::new(Kepler)),
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {

@@ -10,7 +10,7 @@ use nbody::orbit::Elements;
 use nbody::points::{Columns, Domain};
 
 use super::*;
-use crate::drift::DriftKepler;
+use crate::drift::{DriftBodies, Kepler};
 use crate::gravity::{ALL_PULL, Gravity, Mutual, Plan, Softening};
 use crate::kick::KickBodies;
 use crate::{Splitting, Unmetered};
@@ -82,7 +82,7 @@ fn advance(system: &mut System, operator: Box<dyn Operator>, step: f64, end: f64
         Box::new(Gravity::new(plan)),
         operator,
         Box::new(KickBodies { step, mutual: true }),
-        Box::new(DriftKepler::default()),
+        Box::new(DriftBodies::new(Kepler)),
     ]);
     let meter = &mut Unmetered;
     loop {
