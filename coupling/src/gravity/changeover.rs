@@ -59,9 +59,7 @@ impl Changeover {
 
     /// Takes off the bodies' accelerations what belongs to the drift.
     pub fn soften(&self, system: &mut System) {
-        self.meetings
-            .map()
-            .soften_all(&mut system.bodies, system.g);
+        self.meetings.map().soften_all(&mut system.bodies, system.g);
     }
 
     /// Adds to `pulls` what [`Self::soften`] takes off.

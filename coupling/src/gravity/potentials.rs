@@ -89,7 +89,8 @@ impl Members<'_> {
 pub fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
     let g = system.g;
     let (gas, dust, bodies) = (&mut system.gas, &mut system.dust, &mut system.bodies);
-    let soft = |softening: Softening, h: &[f64]| h.iter().map(|&h| softening.of(h)).collect::<Cow<_>>();
+    let soft =
+        |softening: Softening, h: &[f64]| h.iter().map(|&h| softening.of(h)).collect::<Cow<_>>();
     let fluid = |x, m, h, softening, potential| Members {
         x,
         m,

@@ -96,12 +96,7 @@ impl Paths {
     }
 
     /// Adds all pairs that come near each other to `found`, in an order of no meaning. The bodies are those of the tree, moved a little.
-    pub fn search<A: Approach>(
-        &mut self,
-        approach: &A,
-        domain: &Domain,
-        found: &mut Vec<A::Pair>,
-    ) {
+    pub fn search<A: Approach>(&mut self, approach: &A, domain: &Domain, found: &mut Vec<A::Pair>) {
         self.fit(approach);
         let Some(root) = self.tree.nodes.first() else {
             return;
@@ -217,7 +212,11 @@ impl Paths {
             let Some([left, right]) = halves(a) else {
                 return false;
             };
-            parts.extend([(left, left, shift), (left, right, shift), (right, right, shift)]);
+            parts.extend([
+                (left, left, shift),
+                (left, right, shift),
+                (right, right, shift),
+            ]);
             true
         } else if let Some(halves) = halves(b).filter(|_| second || halves(a).is_none()) {
             parts.extend(halves.map(|b| (a, b, shift)));

@@ -26,10 +26,9 @@ use super::leapfrog;
 use crate::bodies::{Bodies, Kind};
 use crate::encounters::{Encounter, in_order};
 use crate::kepler::{self, abreast::drift_all};
-use crate::points::columns::Scratch;
 use crate::points::sort::{Cube, Curve};
-use crate::points::{Columns, Vec3};
 use crate::points::sum::{self, CHUNK};
+use crate::points::{Columns, Vec3};
 use changeover::soft_part;
 use clusters::Clusters;
 use cutoff::{Centre, Cutoff};
@@ -235,11 +234,14 @@ impl Hybrid {
         if bodies.x.len() <= neighbours::FEW {
             return Vec::new();
         }
-        let mut curve = Curve::default();
-        curve.thread(&bodies.x, Cube::around(&bodies.x));
-        bodies.permute(&curve.order, &mut Scratch::default());
-        self.neighbours.plant_along(&bodies.x, &curve.keys);
-        curve.order
+        let (keys, order) = {
+            let mut curve = Curve::default();
+            curve.thread(&bodies.x, Cube::around(&bodies.x));
+            (curve.keys, curve.order)
+        };
+        bodies.permute_sparingly(&order);
+        self.neighbours.plant_along(&bodies.x, &keys);
+        order
     }
 
     /// Takes the hard parts of all pairs but planets' off the accelerations `a` of bodies where they are now, with the cut-offs of

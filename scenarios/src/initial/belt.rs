@@ -52,7 +52,10 @@ fn set(bodies: &mut Bodies, i: usize, id: u64, body: Body, (x, v): (Vec3, Vec3))
     bodies.v[i] = v;
     bodies.m[i] = body.mass;
     bodies.radius[i] = body.radius;
-    bodies.density[i] = body.density;
+    if body.density > 0.0 {
+        bodies.density.resize(bodies.x.len(), 0.0);
+        bodies.density[i] = body.density;
+    }
     bodies.softening[i] = body.softening;
     bodies.kind[i] = body.kind as u32;
 }
@@ -101,7 +104,9 @@ impl Belt {
         let n = bodies.len();
         bodies.resize(n + self.number);
         for (i, id) in (n..n + self.number).zip(first_id..) {
-            let (x, v) = self.elements(seed, id).state(centre.g * (centre.mass + body.mass));
+            let (x, v) = self
+                .elements(seed, id)
+                .state(centre.g * (centre.mass + body.mass));
             set(bodies, i, id, body, (centre.x + x, centre.v + v));
         }
     }

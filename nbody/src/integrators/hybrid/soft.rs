@@ -3,10 +3,12 @@
 //! Few bodies by all pairs in f64 with K in the sum. Many by the tree: its field is Newton's, pairs near each other exact in f64, and
 //! the hard part of each pair within its cut-off is taken off again. Planets are left out of the tree and pull pair by pair.
 
+use std::borrow::Cow;
+
 use fearless_simd::{Level, dispatch};
 
-use super::{Hybrid, typical};
 use super::changeover::soft_part;
+use super::{Hybrid, typical};
 use crate::bodies::{Bodies, Kind};
 use crate::gravity::{Gravity, Settings};
 use crate::points::Vec3;
@@ -16,25 +18,22 @@ use rayon::prelude::*;
 /// Up to so many bodies all pairs are summed.
 const FEW: usize = 2500;
 
-/// The soft field; keeps its tree and buffers between calls.
+/// The soft field; keeps the buffers of few bodies between calls. The tree of many lives as long as a call: by far the largest thing
+/// that a run of bodies has, it would stand idle beside what the rest of a step needs.
 pub struct Soft {
-    tree: Gravity,
+    settings: Settings,
     g: f64,
     columns: [Vec<f64>; 6],
     sums: [Vec<f64>; 3],
-    m: Vec<f64>,
-    active: Vec<u32>,
 }
 
 impl Soft {
     pub fn new(settings: Settings) -> Self {
         Self {
-            tree: Gravity::new(settings),
+            settings,
             g: settings.constant,
             columns: Default::default(),
             sums: Default::default(),
-            m: Vec::new(),
-            active: Vec::new(),
         }
     }
 
@@ -71,27 +70,26 @@ impl Soft {
         interactions
     }
 
-    fn by_tree(&mut self, bodies: &mut Bodies, potentials: bool) -> u64 {
+    fn by_tree(&self, bodies: &mut Bodies, potentials: bool) -> u64 {
         let n = bodies.m.len();
         let planet = |i: usize| bodies.kind[i] == Kind::Planet as u32;
-        self.m.clear();
-        if (0..n).any(planet) {
-            self.m
-                .extend((0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] }));
-        }
-        let m = if self.m.is_empty() { &bodies.m } else { &self.m };
-        if self.active.len() != n {
-            self.active = (0..n as u32).collect();
-        }
-        self.tree.resolve(typical(&bodies.cutoff));
-        self.tree.build(&bodies.x, m, &bodies.softening);
+        let m: Cow<[f64]> = if (0..n).any(planet) {
+            let small = (0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] });
+            small.collect()
+        } else {
+            Cow::Borrowed(&bodies.m)
+        };
+        let active: Vec<u32> = (0..n as u32).collect();
+        let mut tree = Gravity::new(self.settings);
+        tree.resolve(typical(&bodies.cutoff));
+        tree.build(&bodies.x, &m, &bodies.softening);
         bodies.a.resize(n, Vec3::zeros());
         let phi = if potentials {
             &mut bodies.potential[..]
         } else {
             &mut []
         };
-        let count = self.tree.field(&self.active, &mut bodies.a, phi);
+        let count = tree.field(&active, &mut bodies.a, phi);
         count.interactions
     }
 
@@ -108,7 +106,9 @@ impl Soft {
             -self.g * others.map(over).sum::<f64>()
         };
         let potentials = bodies.potential.par_iter_mut().enumerate();
-        potentials.with_min_len(64).for_each(|(i, phi)| *phi = of(i));
+        potentials
+            .with_min_len(64)
+            .for_each(|(i, phi)| *phi = of(i));
     }
 
     fn all_pairs(&mut self, bodies: &mut Bodies) {
