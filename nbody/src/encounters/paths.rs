@@ -84,15 +84,15 @@ impl Paths {
     pub fn plant(&mut self, x: &[Vec3]) {
         let mut curve = Curve::default();
         curve.thread(x, Cube::around(x));
-        self.order = curve.order;
-        gather(&mut self.x, x, &self.order);
-        self.tree.build(&self.x, &curve.keys, LEAF);
-    }
-
-    /// Plants the tree over bodies that stand along the curve at `x`, with these keys.
-    pub fn plant_along(&mut self, x: &[Vec3], keys: &[u64]) {
-        (self.order, self.x) = (Vec::new(), Vec::new());
-        self.tree.build(x, keys, LEAF);
+        let along = curve.order.iter().zip(0..).all(|(&i, k)| i == k);
+        if along {
+            (self.order, self.x) = (Vec::new(), Vec::new());
+            self.tree.build(x, &curve.keys, LEAF);
+        } else {
+            self.order = curve.order;
+            gather(&mut self.x, x, &self.order);
+            self.tree.build(&self.x, &curve.keys, LEAF);
+        }
     }
 
     /// Adds all pairs that come near each other to `found`, in an order of no meaning. The bodies are those of the tree, moved a little.

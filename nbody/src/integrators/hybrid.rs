@@ -234,13 +234,13 @@ impl Hybrid {
         if bodies.x.len() <= neighbours::FEW {
             return Vec::new();
         }
-        let (keys, order) = {
+        let order = {
             let mut curve = Curve::default();
             curve.thread(&bodies.x, Cube::around(&bodies.x));
-            (curve.keys, curve.order)
+            curve.order
         };
         bodies.permute_sparingly(&order);
-        self.neighbours.plant_along(&bodies.x, &keys);
+        self.neighbours.uproot();
         order
     }
 

@@ -91,7 +91,7 @@ fn meets(d: Vec3, w: Vec3, [reach, bend]: [f64; 2], dt: f64) -> bool {
     (d + w * nearest).norm_squared() < reach * reach
 }
 
-/// The search; keeps its tree and buffers between calls.
+/// The search; keeps its tree from a kick to the drift after it.
 #[derive(Debug, Default)]
 pub struct Neighbours {
     pub pairs: Vec<[u32; 2]>,
@@ -118,15 +118,9 @@ impl Neighbours {
         self.pairs.par_sort_unstable();
     }
 
-    /// Plants the tree over bodies that stand along the curve at `x`, with these keys.
-    pub fn plant_along(&mut self, x: &[Vec3], keys: &[u64]) {
-        self.paths.plant_along(x, keys);
-        self.planted = x.len();
-    }
-
-    /// To be called when bodies have moved by a step.
+    /// To be called when bodies have moved by a step: fells the tree.
     pub fn uproot(&mut self) {
-        self.planted = 0;
+        (self.planted, self.paths) = (0, Paths::default());
     }
 
     /// All pairs, sifted by a wide bound without roots first: d^2 < 2 (c^2 (1 + bend)^2 + w^2 dt^2 (1 + bend)^2).
