@@ -21,13 +21,21 @@ pub struct Pace {
     pub next_span: u32,
 }
 
-/// Where star and bodies are seen now: between their own ticks a prediction, at their ticks their state.
+/// Where star and bodies are seen now: between their own ticks a prediction, at their ticks their state. Bodies without gas and dust
+/// are never seen between ticks: of them nothing is kept.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     pub star_x: Vec<Vec3>,
     pub star_v: Vec<Vec3>,
     pub x: Vec<Vec3>,
     pub v: Vec<Vec3>,
+}
+
+impl Seen {
+    /// Where bodies are seen whose own positions are `x`.
+    pub fn places<'a>(&'a self, x: &'a [Vec3]) -> &'a [Vec3] {
+        if self.x.is_empty() { x } else { &self.x }
+    }
 }
 
 /// Net impulse and torque (about the origin) of a field that should have none.
@@ -125,7 +133,7 @@ pub struct System {
     /// What the tree's field has given to gas, dust and bodies in sum since everybody was last active. Without truncation it would be
     /// zero whenever everybody is.
     pub stray: Stray,
-    /// Impulses (momenta) that star and bodies receive at their next tick.
+    /// Impulses (momenta) that star and bodies receive at their next tick; bodies without gas and dust receive none.
     pub pending_star: Vec<Vec3>,
     pub pending_bodies: Vec<Vec3>,
     pub gas: Gas,
@@ -142,7 +150,8 @@ pub struct System {
     pub touches: Vec<Encounter>,
     /// Whether potentials are wanted at this tick.
     pub reporting: bool,
-    /// What the bodies' pulls on each other add to their `a` that their integrator does in its drift, when last reported.
+    /// What the bodies' pulls on each other add to their `a` that their integrator does in its drift, when last reported; empty unless
+    /// that is wanted.
     pub held_back: Vec<Vec3>,
     /// The integrator of bodies that a run chose at its start, by a number of the chooser's.
     pub chosen: u64,
@@ -219,11 +228,15 @@ impl System {
     pub fn look(&mut self) {
         self.seen.star_x.clone_from(&self.star.x);
         self.seen.star_v.clone_from(&self.star.v);
-        self.seen.x.clone_from(&self.bodies.x);
-        self.seen.v.clone_from(&self.bodies.v);
         self.pending_star.resize(self.star.x.len(), Vec3::zeros());
-        self.pending_bodies
-            .resize(self.bodies.x.len(), Vec3::zeros());
+        if self.gas.is_empty() && self.dust.is_empty() {
+            (self.seen.x, self.seen.v) = (Vec::new(), Vec::new());
+        } else {
+            self.seen.x.clone_from(&self.bodies.x);
+            self.seen.v.clone_from(&self.bodies.v);
+            let n = self.bodies.x.len();
+            self.pending_bodies.resize(n, Vec3::zeros());
+        }
     }
 
     /// Gives star and bodies their summed impulses.

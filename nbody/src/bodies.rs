@@ -31,16 +31,16 @@ columns! {
         spin: Vector = Label::snapshot("Spins", Dimension::ANGULAR_MOMENTUM, "angular momentum of rotation"),
         /// mass fractions of ice, rock and iron; empty unless the scene follows them
         composition: Vector = Label::snapshot("Compositions", Dimension::NONE, "mass fractions of ice, rock and iron").optional(),
-        /// material density of a body without mass; zero where mass and radius give it
-        density: Real = Label::checkpoint("MaterialDensities", Dimension::DENSITY, "material density of a body without mass"),
+        /// material density of a body without mass; zero where mass and radius give it, empty where they do for all
+        density: Real = Label::checkpoint("MaterialDensities", Dimension::DENSITY, "material density of a body without mass").optional(),
         /// softening length of gravity (Plummer)
         softening: Real = Label::checkpoint("Softenings", Dimension::LENGTH, "softening length of gravity"),
         /// cut-off radius of the hybrid map; empty without it
         cutoff: Real = Label::checkpoint("Cutoffs", Dimension::LENGTH, "cut-off radius of the hybrid map").optional(),
         /// a [`Kind`]
         kind: Short = Label::checkpoint("Kinds", Dimension::NONE, "0 planetesimal, 1 planet, 2 star"),
-        /// smoothing length of the gas around; zero if unknown
-        h: Real = Label::checkpoint("SmoothingLengths", Dimension::LENGTH, "smoothing length of the gas around"),
+        /// smoothing length of the gas around; zero if unknown, empty without gas
+        h: Real = Label::checkpoint("SmoothingLengths", Dimension::LENGTH, "smoothing length of the gas around").optional(),
         /// gravitational potential when last reported
         potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential"),
         /// acceleration at the last kick, without the star's pull
@@ -53,7 +53,7 @@ impl Bodies {
     pub fn mean_density(&self, i: usize) -> f64 {
         let (m, radius) = (self.m[i], self.radius[i]);
         if m == 0.0 || radius == 0.0 {
-            self.density[i]
+            self.density.get(i).copied().unwrap_or(0.0)
         } else {
             0.75 * m / (PI * radius.powi(3))
         }

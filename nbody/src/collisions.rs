@@ -263,7 +263,9 @@ fn place(
         }
         if i >= first {
             bodies.id[i] = *next_id;
-            bodies.h[i] = bodies.h[kept];
+            if let Some(&h) = bodies.h.get(kept) {
+                bodies.h[i] = h;
+            }
             *next_id += 1;
         }
     }

@@ -2,19 +2,13 @@
 //!
 //! Seen from body i, body j moved on the line d + w tau, -dt <= tau <= 0, with d, w the separation and relative velocity now. A pair
 //! touches where |d + w tau| < R_i + R_j. The curvature of the true paths is neglected: it is that of the tide, dt^2 d G M/r^3, the
-//! common one drops out. A walk over the tree with boxes of positions and velocities finds the pairs at about N log N; without radii
-//! nothing is done. Pairs come in the order of time of touch, then ids, whatever the order of the bodies in memory.
-
-use std::ops::Range;
-
-use rayon::prelude::*;
+//! common one drops out. A tree of the bodies' paths finds the pairs at about N log N; without radii nothing is done. Pairs come in the order of time of touch, then ids, whatever the order of the bodies in memory.
 
 use crate::bodies::Bodies;
-use crate::points::sort::{Cube, Curve};
-use crate::points::{Domain, Tree, Vec3};
+use crate::points::{Domain, Vec3};
+use paths::{Approach, Paths};
 
-/// Bodies a leaf of the tree.
-const LEAF: usize = 8;
+pub(crate) mod paths;
 
 /// A pair of bodies that touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,19 +44,55 @@ pub fn touch(d: Vec3, w: Vec3, reach: f64, dt: f64) -> Option<f64> {
     (time >= -dt && time <= 0.0).then_some(time)
 }
 
+/// Bodies whose paths in the step of `dt` that ends now are looked at.
+struct Past<'a> {
+    bodies: &'a Bodies,
+    dt: f64,
+}
+
+impl Approach for Past<'_> {
+    type Pair = Encounter;
+
+    fn x(&self) -> &[Vec3] {
+        &self.bodies.x
+    }
+
+    fn v(&self) -> &[Vec3] {
+        &self.bodies.v
+    }
+
+    fn dt(&self) -> f64 {
+        -self.dt
+    }
+
+    fn share(&self, i: usize) -> [f64; 2] {
+        [self.bodies.radius[i], 0.0]
+    }
+
+    fn reach(&self, a: [f64; 2], b: [f64; 2], _: f64) -> f64 {
+        a[0] + b[0]
+    }
+
+    fn pair(&self, i: usize, j: usize, shift: Vec3) -> Option<Encounter> {
+        let Bodies { x, v, radius, .. } = self.bodies;
+        let time = touch(
+            x[j] + shift - x[i],
+            v[j] - v[i],
+            radius[i] + radius[j],
+            self.dt,
+        )?;
+        Some(Encounter {
+            pair: [i, j],
+            time,
+            held: 0.0,
+        })
+    }
+}
+
 /// Finds encounters; keeps its tree and buffers between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
-    curve: Curve,
-    tree: Tree,
-    /// In the order of the curve.
-    x: Vec<Vec3>,
-    v: Vec<Vec3>,
-    radius: Vec<f64>,
-    /// A node's velocities lie in this box, its radii are at most this.
-    slowest: Vec<Vec3>,
-    fastest: Vec<Vec3>,
-    largest: Vec<f64>,
+    paths: Paths,
     found: Vec<Encounter>,
 }
 
@@ -72,137 +102,22 @@ impl Finder {
         assert!(dt >= 0.0, "a step forwards");
         self.found.clear();
         if bodies.radius.iter().any(|&r| r > 0.0) {
-            self.plant(bodies);
-            self.search(domain, dt);
-            let id = |i: usize| bodies.id[i];
-            for encounter in &mut self.found {
-                encounter.pair.sort_by_key(|&i| id(i));
-            }
-            let key = |e: &Encounter| e.pair.map(id);
-            self.found
-                .sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| key(a).cmp(&key(b))));
+            self.paths.plant(&bodies.x);
+            let past = Past { bodies, dt };
+            self.paths.search(&past, domain, &mut self.found);
+            in_order(&mut self.found, &bodies.id);
         }
         &self.found
     }
-
-    fn plant(&mut self, bodies: &Bodies) {
-        self.curve.thread(&bodies.x, Cube::around(&bodies.x));
-        let order = &self.curve.order;
-        gather(&mut self.x, &bodies.x, order);
-        gather(&mut self.v, &bodies.v, order);
-        gather(&mut self.radius, &bodies.radius, order);
-        self.tree.build(&self.x, &self.curve.keys, LEAF);
-        let (tree, v, radius) = (&self.tree, &self.v, &self.radius);
-        let nodes = tree.nodes.len();
-        self.slowest.clear();
-        self.slowest.resize(nodes, Vec3::repeat(f64::INFINITY));
-        self.fastest.clear();
-        self.fastest.resize(nodes, Vec3::repeat(f64::NEG_INFINITY));
-        tree.largest(|i| radius[i], &mut self.largest);
-        for i in (0..nodes).rev() {
-            (self.slowest[i], self.fastest[i]) = match tree.children(i) {
-                Some((a, b)) => (
-                    self.slowest[a].inf(&self.slowest[b]),
-                    self.fastest[a].sup(&self.fastest[b]),
-                ),
-                None => v[tree.nodes[i].range()]
-                    .iter()
-                    .fold((self.slowest[i], self.fastest[i]), |(lo, hi), v| {
-                        (lo.inf(v), hi.sup(v))
-                    }),
-            };
-        }
-    }
-
-    fn search(&mut self, domain: &Domain, dt: f64) {
-        let mut found = std::mem::take(&mut self.found);
-        let this = &*self;
-        found.par_extend(
-            this.tree
-                .leaves
-                .par_iter()
-                .with_min_len(32)
-                .flat_map_iter(|&leaf| {
-                    let mut own = Vec::new();
-                    let root = &this.tree.nodes[0];
-                    let leaf = leaf as usize;
-                    let (lo, hi) = this.swept(leaf, 0, dt);
-                    domain.shifts(lo, hi, root.lo, root.hi, |shift| {
-                        this.walk(leaf, shift, dt, &mut own)
-                    });
-                    own
-                }),
-        );
-        self.found = found;
-    }
-
-    /// The box that `node`, moved by the step back in time relative to `leaf`, may come within reach of.
-    fn swept(&self, leaf: usize, node: usize, dt: f64) -> (Vec3, Vec3) {
-        // Relative velocity of the leaf's bodies as seen from the node's.
-        let slowest = self.slowest[leaf] - self.fastest[node];
-        let fastest = self.fastest[leaf] - self.slowest[node];
-        let reach = Vec3::repeat(self.largest[leaf] + self.largest[node]);
-        let zero = Vec3::zeros();
-        let (box_lo, box_hi) = (self.tree.nodes[leaf].lo, self.tree.nodes[leaf].hi);
-        (
-            box_lo - fastest.sup(&zero) * dt - reach,
-            box_hi - slowest.inf(&zero) * dt + reach,
-        )
-    }
-
-    /// Pairs of the leaf's bodies with later ones, those moved by `shift`.
-    fn walk(&self, leaf: usize, shift: Vec3, dt: f64, found: &mut Vec<Encounter>) {
-        let nodes = &self.tree.nodes;
-        let mine = nodes[leaf].range();
-        let mut i = 0;
-        while i < nodes.len() {
-            let node = &nodes[i];
-            let (lo, hi) = self.swept(leaf, i, dt);
-            let past = node.end as usize <= mine.start;
-            if past || apart(node.lo + shift, node.hi + shift, lo, hi) {
-                i = node.skip as usize;
-                continue;
-            }
-            if self.tree.is_leaf(i) {
-                self.pairs(mine.clone(), node.range(), shift, dt, found);
-            }
-            i += 1;
-        }
-    }
-
-    fn pairs(
-        &self,
-        mine: Range<usize>,
-        theirs: Range<usize>,
-        shift: Vec3,
-        dt: f64,
-        found: &mut Vec<Encounter>,
-    ) {
-        for i in mine {
-            for j in theirs.clone().filter(|&j| j > i) {
-                let reach = self.radius[i] + self.radius[j];
-                let d = self.x[j] + shift - self.x[i];
-                if let Some(time) = touch(d, self.v[j] - self.v[i], reach, dt) {
-                    let place = |i: usize| self.curve.order[i] as usize;
-                    let pair = [place(i), place(j)];
-                    found.push(Encounter {
-                        pair,
-                        time,
-                        held: 0.0,
-                    });
-                }
-            }
-        }
-    }
 }
 
-fn apart(lo: Vec3, hi: Vec3, other_lo: Vec3, other_hi: Vec3) -> bool {
-    (0..3).any(|axis| hi[axis] < other_lo[axis] || lo[axis] > other_hi[axis])
-}
-
-fn gather<T: Copy>(to: &mut Vec<T>, from: &[T], order: &[u32]) {
-    to.clear();
-    to.extend(order.iter().map(|&i| from[i as usize]));
+/// Puts encounters into the order of their times, then ids; each pair by its ids.
+pub(crate) fn in_order(encounters: &mut [Encounter], id: &[u64]) {
+    for encounter in &mut *encounters {
+        encounter.pair.sort_by_key(|&i| id[i]);
+    }
+    let key = |e: &Encounter| e.pair.map(|i| id[i]);
+    encounters.sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| key(a).cmp(&key(b))));
 }
 
 #[cfg(test)]
@@ -298,12 +213,11 @@ mod tests {
     }
 
     #[test]
-    fn points_never_meet_and_plant_no_tree() {
+    fn points_never_meet() {
         let mut bodies = swarm(100, 1.0);
         bodies.radius.fill(0.0);
         bodies.x.fill(Vec3::zeros());
         let mut finder = Finder::default();
         assert!(finder.encounters(&bodies, &Domain::open(), 0.1).is_empty());
-        assert!(finder.tree.nodes.is_empty());
     }
 }

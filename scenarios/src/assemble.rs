@@ -5,13 +5,12 @@
 use coupling::accretion::{Accretion, Collisions};
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{
-    DriftDust, DriftGas, DriftHermite, DriftHybrid, DriftJacobi, DriftKepler, DriftRadau,
-    DriftStraight,
+    Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
 };
 use coupling::external::{
     Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
 };
-use coupling::gravity::{Gravity, Mutual, Plan, Softening};
+use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::{Operator, Splitting, System};
 use nbody::gravity as solver;
@@ -325,13 +324,15 @@ fn operators(
         list.push(Box::new(DriftDust));
     }
     if moving {
-        list.push(match (integrator, jacobi) {
-            (_, Some(scheme)) => Box::new(DriftJacobi { scheme, step }),
-            (Integrator::WisdomHolman | Integrator::Auto, _) => Box::new(DriftKepler::default()),
-            (Integrator::Leapfrog, _) => Box::new(DriftStraight),
-            (Integrator::Hybrid, _) => Box::new(DriftHybrid::new(hybrid(scene, step))),
-            (Integrator::Hermite, _) => Box::new(DriftHermite::new(kicked, step)),
-            (Integrator::GaussRadau, _) => Box::new(DriftRadau::new(kicked, step)),
+        list.push(match (integrator, jacobi, &plan.mutual) {
+            (_, Some(scheme), _) => Box::new(DriftBodies::new(JacobiMap { scheme, step })),
+            (_, _, Mutual::Changeover(meetings)) => {
+                Box::new(DriftBodies::new(Encounters(meetings.clone())))
+            }
+            (Integrator::Leapfrog, ..) => Box::new(DriftBodies::new(Straight)),
+            (Integrator::Hermite, ..) => Box::new(DriftBodies::new(Blocks::new(kicked, step))),
+            (Integrator::GaussRadau, ..) => Box::new(DriftBodies::new(Radau { kicked, step })),
+            _ => Box::new(DriftBodies::new(Kepler)),
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
@@ -454,10 +455,7 @@ fn plan(scene: &Scene, integrator: Integrator, step: f64) -> Plan {
     };
     let mutual = match integrator {
         Integrator::GaussRadau | Integrator::Hermite => Mutual::Drift,
-        Integrator::Hybrid => Mutual::Changeover {
-            cutoff: cutoff(scene),
-            step,
-        },
+        Integrator::Hybrid => Mutual::Changeover(Meetings::new(hybrid(scene, step))),
         _ if jacobi(scene, integrator).is_some() => Mutual::Drift,
         _ => Mutual::Kick,
     };
@@ -472,5 +470,6 @@ fn plan(scene: &Scene, integrator: Integrator, step: f64) -> Plan {
         dust: length(scene.dust.as_ref().map(|d| d.softening)),
         star_in_kick: integrator == Integrator::Leapfrog,
         mutual,
+        held_back: scene.run.write_accelerations,
     }
 }

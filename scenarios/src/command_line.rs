@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
-use crate::{info, new, outline, plot, signals, verify};
+use crate::{info, memory, new, outline, plot, signals, verify};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -144,6 +144,7 @@ pub fn main() -> ExitCode {
         );
         std::process::exit(1);
     }));
+    memory::keep_apart();
     let outcome = match CommandLine::parse().command {
         Command::Run(arguments) => run_scene(arguments),
         Command::Resume(arguments) => resume(arguments),

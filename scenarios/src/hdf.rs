@@ -82,11 +82,19 @@ pub fn write_column(group: &Group, name: &str, column: ColumnRef<'_>) -> Result<
         ColumnRef::Real(v) => write_values(group, name, v, &[v.len()]),
         ColumnRef::Integer(v) => write_values(group, name, v, &[v.len()]),
         ColumnRef::Short(v) => write_values(group, name, v, &[v.len()]),
-        ColumnRef::Vector(v) => {
-            let flat: Vec<f64> = v.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
-            write_values(group, name, &flat, &[v.len(), 3])
-        }
+        ColumnRef::Vector(v) => write_values(group, name, components(v), &[v.len(), 3]),
     }
+}
+
+/// The components of vectors, one after the other.
+fn components(v: &[Vec3]) -> &[f64] {
+    const {
+        assert!(
+            size_of::<Vec3>() == 3 * size_of::<f64>() && align_of::<Vec3>() == align_of::<f64>()
+        )
+    }
+    // SAFETY: a vector is its three components, without gaps by the sizes, and lives as long as the slice.
+    unsafe { std::slice::from_raw_parts(v.as_ptr().cast(), 3 * v.len()) }
 }
 
 fn write_values<T: H5Type>(group: &Group, name: &str, v: &[T], shape: &[usize]) -> Result<Dataset> {

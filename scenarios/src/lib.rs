@@ -9,6 +9,7 @@ pub mod hdf;
 pub mod history;
 pub mod info;
 pub mod initial;
+mod memory;
 pub mod new;
 pub mod outline;
 pub mod plot;

@@ -285,10 +285,8 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
             eccentricity: p.eccentricity,
             inclination: p.inclination,
         };
-        append(
-            &mut bodies,
-            &belt.bodies(&centre, scene.run.seed, ids.take(p.number)),
-        );
+        let first = ids.take(p.number);
+        belt.add_to(&mut bodies, &centre, scene.run.seed, first);
     }
     file.softening.fill(softening);
     let first = ids.take(file.len());

@@ -177,6 +177,7 @@ impl Operator for BodyDrag {
         self.active.sort_by_cached_key(|&i| cube.key(x[i as usize]));
         let star = star(system);
         let mut h = std::mem::take(&mut system.bodies.h);
+        h.resize(self.active.len(), 0.0);
         let mut bodies = BodiesInGas {
             bodies: &mut system.bodies,
             h: &mut h,

@@ -10,7 +10,7 @@ use nbody::orbit::Elements;
 use nbody::points::{Columns, Domain};
 
 use super::*;
-use crate::drift::DriftKepler;
+use crate::drift::{DriftBodies, Kepler};
 use crate::gravity::{ALL_PULL, Gravity, Mutual, Plan, Softening};
 use crate::kick::KickBodies;
 use crate::{Splitting, Unmetered};
@@ -76,12 +76,13 @@ fn advance(system: &mut System, operator: Box<dyn Operator>, step: f64, end: f64
         dust: Softening::Length(0.0),
         star_in_kick: false,
         mutual: Mutual::Kick,
+        held_back: false,
     };
     let mut splitting = Splitting::new(vec![
         Box::new(Gravity::new(plan)),
         operator,
         Box::new(KickBodies { step, mutual: true }),
-        Box::new(DriftKepler::default()),
+        Box::new(DriftBodies::new(Kepler)),
     ]);
     let meter = &mut Unmetered;
     loop {

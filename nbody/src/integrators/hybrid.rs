@@ -24,10 +24,11 @@ use thiserror::Error;
 
 use super::leapfrog;
 use crate::bodies::{Bodies, Kind};
-use crate::encounters::Encounter;
+use crate::encounters::{Encounter, in_order};
 use crate::kepler::{self, abreast::drift_all};
-use crate::points::Vec3;
+use crate::points::sort::{Cube, Curve};
 use crate::points::sum::{self, CHUNK};
+use crate::points::{Columns, Vec3};
 use changeover::soft_part;
 use clusters::Clusters;
 use cutoff::{Centre, Cutoff};
@@ -63,9 +64,8 @@ pub struct Hybrid {
     pub touching: bool,
     /// Pairs that touched in the last drift, in the order of time, then ids. They lie at their touch; times count from the end.
     pub touches: Vec<Encounter>,
-    /// Cut-off of each body in the last call.
-    pub cutoffs: Vec<f64>,
-    bend: Vec<f64>,
+    /// Of bodies that carry none.
+    cutoffs: Vec<f64>,
     neighbours: Neighbours,
     clusters: Clusters,
     hard: Hard,
@@ -145,21 +145,28 @@ impl Hybrid {
 
     /// The bracket of the Hamiltonian, bodies heliocentric.
     fn cross(&mut self, bodies: &mut Bodies, [mu, g]: [f64; 2], dt: f64) -> Result<(), Stuck> {
-        self.weigh(bodies, [mu, g], dt, |i| (bodies.x[i], bodies.v[i]));
-        if bodies.cutoff.len() == self.cutoffs.len() {
-            // Those of the kick: both parts of a pair's force must add up to the whole.
-            self.cutoffs.clone_from(&bodies.cutoff);
-        }
+        // Those of the kick: both parts of a pair's force must add up to the whole.
+        let cutoffs = if bodies.cutoff.len() == bodies.m.len() {
+            &bodies.cutoff
+        } else {
+            self.cutoffs.clear();
+            self.cutoffs.resize(bodies.m.len(), 0.0);
+            let centre = self.centre(mu, g);
+            let about = (Vec3::zeros(), Vec3::zeros());
+            choose(&self.cutoff, &centre, bodies, about, &mut self.cutoffs);
+            &self.cutoffs
+        };
         self.neighbours.find(&Swarm {
             m: &bodies.m,
             x: &bodies.x,
             v: &bodies.v,
-            cutoff: &self.cutoffs,
-            bend: &self.bend,
+            cutoff: cutoffs,
+            mu,
             dt,
         });
-        self.clusters.join(bodies.m.len(), &self.neighbours.pairs);
-        let (clusters, cutoffs, touching) = (&self.clusters, &self.cutoffs, self.touching);
+        self.neighbours.uproot();
+        self.clusters.join(&self.neighbours.pairs);
+        let (clusters, touching) = (&self.clusters, self.touching);
         let member = |k: usize| {
             let i = clusters.members[k] as usize;
             Member {
@@ -187,71 +194,54 @@ impl Hybrid {
     /// Lists the touches in their order.
     fn tell(&mut self, bodies: &Bodies, dt: f64) {
         let place = |k: usize| self.clusters.members[k] as usize;
-        let id = |i: usize| bodies.id[i];
-        self.touches.extend(self.hard.touches.iter().map(|touch| {
-            let mut pair = touch.pair.map(place);
-            pair.sort_by_key(|&i| id(i));
-            Encounter {
-                pair,
+        self.touches
+            .extend(self.hard.touches.iter().map(|touch| Encounter {
+                pair: touch.pair.map(place),
                 time: touch.time - dt,
                 held: dt - touch.time,
-            }
-        }));
-        let key = |e: &Encounter| e.pair.map(id);
-        self.touches
-            .sort_by(|a, b| a.time.total_cmp(&b.time).then_with(|| key(a).cmp(&key(b))));
+            }));
+        in_order(&mut self.touches, &bodies.id);
     }
 
-    /// Cut-off radii, and how much the star bends relative paths in a step, of bodies whose heliocentric state is `state(i)`.
-    fn weigh(
-        &mut self,
-        bodies: &Bodies,
-        [mu, g]: [f64; 2],
-        dt: f64,
-        state: impl Fn(usize) -> (Vec3, Vec3) + Sync,
-    ) {
-        let n = bodies.m.len();
-        let centre = Centre {
+    fn centre(&self, mu: f64, g: f64) -> Centre {
+        Centre {
             mu,
             g,
             dt: self.step,
-        };
-        self.cutoffs.resize(n, 0.0);
-        self.bend.resize(n, 0.0);
-        let cutoff = self.cutoff;
-        let one = |(i, (c, bend)): (usize, (&mut f64, &mut f64))| {
-            let (q, u) = state(i);
-            let old = bodies.cutoff.get(i).copied().unwrap_or(0.0);
-            *c = cutoff.radius(&centre, [bodies.m[i], bodies.radius[i], old], (q, u));
-            let q2 = q.norm_squared();
-            // Further bending than by the distance itself means nothing.
-            *bend = (mu * dt * dt / (q2 * q2.sqrt())).min(1.0);
-        };
-        let columns = self.cutoffs.iter_mut().zip(&mut self.bend);
-        if n <= CHUNK {
-            columns.enumerate().for_each(one);
-        } else {
-            let columns = self.cutoffs.par_iter_mut().zip(&mut self.bend);
-            columns.enumerate().with_min_len(CHUNK).for_each(one);
         }
     }
 
     /// Chooses the cut-offs of bodies in inertial coordinates, for this tick's kick and the drift after it.
     pub fn choose(&mut self, star: &Bodies, bodies: &mut Bodies, g: f64) {
-        let (Some(&m_star), Some(&x_star), Some(&v_star)) =
+        let mut cutoffs = std::mem::take(&mut bodies.cutoff);
+        cutoffs.resize(bodies.m.len(), 0.0);
+        if let (Some(&m_star), Some(&x_star), Some(&v_star)) =
             (star.m.first(), star.x.first(), star.v.first())
-        else {
-            self.cutoffs.clear();
-            self.cutoffs.resize(bodies.m.len(), 0.0);
-            self.bend.clone_from(&self.cutoffs);
-            return;
+        {
+            let total = moment(m_star, &x_star, &v_star) + moments(&bodies.m, &bodies.x, &bodies.v);
+            let about = (x_star, total.fixed_rows::<3>(4) / total[0]);
+            let centre = self.centre(g * m_star, g);
+            choose(&self.cutoff, &centre, bodies, about, &mut cutoffs);
+        } else {
+            cutoffs.fill(0.0);
+        }
+        bodies.cutoff = cutoffs;
+    }
+
+    /// Puts many bodies into the order of the Morton curve, where those near in space are near in memory; few stay. Answers which body has
+    /// come to each place, none if they stay.
+    pub fn arrange(&mut self, bodies: &mut Bodies) -> Vec<u32> {
+        if bodies.x.len() <= neighbours::FEW {
+            return Vec::new();
+        }
+        let order = {
+            let mut curve = Curve::default();
+            curve.thread(&bodies.x, Cube::around(&bodies.x));
+            curve.order
         };
-        let total = moment(m_star, &x_star, &v_star) + moments(&bodies.m, &bodies.x, &bodies.v);
-        let v_cm = total.fixed_rows::<3>(4) / total[0];
-        self.weigh(bodies, [g * m_star, g], 0.0, |i| {
-            (bodies.x[i] - x_star, bodies.v[i] - v_cm)
-        });
-        bodies.cutoff.clone_from(&self.cutoffs);
+        bodies.permute_sparingly(&order);
+        self.neighbours.uproot();
+        order
     }
 
     /// Takes the hard parts of all pairs but planets' off the accelerations `a` of bodies where they are now, with the cut-offs of
@@ -266,28 +256,50 @@ impl Hybrid {
     }
 
     fn take_off(&mut self, bodies: &mut Bodies, g: f64, planets: bool) {
+        let mut a = std::mem::take(&mut bodies.a);
+        self.hard_parts(bodies, g, planets, |[i, j], pull| {
+            a[i] -= pull * bodies.m[j];
+            a[j] += pull * bodies.m[i];
+        });
+        bodies.a = a;
+    }
+
+    /// Adds the hard parts of all pairs to `pulls`, for bodies where they are now, with the cut-offs of [`Hybrid::choose`].
+    pub fn add_hard(&mut self, bodies: &Bodies, g: f64, pulls: &mut [Vec3]) {
+        self.hard_parts(bodies, g, true, |[i, j], pull| {
+            pulls[i] += pull * bodies.m[j];
+            pulls[j] -= pull * bodies.m[i];
+        });
+    }
+
+    /// Gives the hard part of the pull of each pair that has one over the mass: on the first of the pair, towards the second.
+    fn hard_parts(
+        &mut self,
+        bodies: &Bodies,
+        g: f64,
+        planets: bool,
+        mut give: impl FnMut([usize; 2], Vec3),
+    ) {
         self.neighbours.find(&Swarm {
             m: &bodies.m,
             x: &bodies.x,
             v: &bodies.v,
-            cutoff: &self.cutoffs,
-            bend: &self.bend,
+            cutoff: &bodies.cutoff,
+            mu: 0.0,
             dt: 0.0,
         });
         for &[i, j] in &self.neighbours.pairs {
             let (i, j) = (i as usize, j as usize);
             let planet = |i: usize| !planets && bodies.kind[i] == Kind::Planet as u32;
             let d = bodies.x[j] - bodies.x[i];
-            let c = self.cutoffs[i].max(self.cutoffs[j]);
+            let c = bodies.cutoff[i].max(bodies.cutoff[j]);
             let (r2, eps) = (d.norm_squared(), [i, j].map(|i| bodies.softening[i]));
             if planet(i) || planet(j) || r2 >= c * c || r2 == 0.0 {
                 continue;
             }
             let q2 = r2 + (eps[0] * eps[0] + eps[1] * eps[1]);
             let hard = 1.0 - soft_part((r2 / (c * c)).sqrt());
-            let pull = d * (g * hard / (q2 * q2.sqrt()));
-            bodies.a[i] -= pull * bodies.m[j];
-            bodies.a[j] += pull * bodies.m[i];
+            give([i, j], d * (g * hard / (q2 * q2.sqrt())));
         }
     }
 
@@ -296,21 +308,40 @@ impl Hybrid {
         let sizes = (0..self.clusters.count()).map(|k| self.clusters.range(k).len());
         (self.clusters.members.len(), sizes.max().unwrap_or(0))
     }
+}
 
-    /// Twice the median of the last cut-offs: pairs within are to be exact in a field that is softened afterwards.
-    pub fn typical(&self) -> f64 {
-        let mut some: Vec<f64> = self
-            .cutoffs
-            .iter()
-            .step_by(1 + self.cutoffs.len() / 1000)
-            .copied()
-            .collect();
-        if some.is_empty() {
-            return 0.0;
-        }
-        let middle = some.len() / 2;
-        2.0 * *some.select_nth_unstable_by(middle, f64::total_cmp).1
+/// Cut-offs, in place of the old ones or of zeros, of bodies about the place and velocity `about`.
+fn choose(
+    cutoff: &Cutoff,
+    centre: &Centre,
+    bodies: &Bodies,
+    about: (Vec3, Vec3),
+    cutoffs: &mut [f64],
+) {
+    let one = |(i, c): (usize, &mut f64)| {
+        let state = (bodies.x[i] - about.0, bodies.v[i] - about.1);
+        *c = cutoff.radius(centre, [bodies.m[i], bodies.radius[i], *c], state);
+    };
+    if cutoffs.len() <= CHUNK {
+        cutoffs.iter_mut().enumerate().for_each(one);
+    } else {
+        let all = cutoffs.par_iter_mut().enumerate();
+        all.with_min_len(CHUNK).for_each(one);
     }
+}
+
+/// Twice the median of `cutoffs`: pairs within are to be exact in a field that is softened afterwards.
+pub fn typical(cutoffs: &[f64]) -> f64 {
+    let mut some: Vec<f64> = cutoffs
+        .iter()
+        .step_by(1 + cutoffs.len() / 1000)
+        .copied()
+        .collect();
+    if some.is_empty() {
+        return 0.0;
+    }
+    let middle = some.len() / 2;
+    2.0 * *some.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Moves everybody but the members of clusters along their Kepler orbits. Members go along circles, which is simpler than to leave them
@@ -352,7 +383,7 @@ pub struct Map {
 impl Map {
     /// The soft accelerations at the bodies' places: before the first step, and when bodies have changed.
     pub fn prepare(&mut self, star: &Bodies, bodies: &mut Bodies) {
-        self.soft.field(&mut self.hybrid, star, bodies);
+        self.soft.field(&mut self.hybrid, star, bodies, false);
     }
 
     /// One step; afterwards `hybrid.touches` holds who touched.

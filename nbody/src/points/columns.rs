@@ -133,6 +133,36 @@ impl ColumnMut<'_> {
     }
 }
 
+impl ColumnMut<'_> {
+    fn reborrow(&mut self) -> ColumnMut<'_> {
+        match self {
+            Self::Real(v) => ColumnMut::Real(v),
+            Self::Vector(v) => ColumnMut::Vector(v),
+            Self::Integer(v) => ColumnMut::Integer(v),
+            Self::Short(v) => ColumnMut::Short(v),
+        }
+    }
+
+    fn permute(self, order: &[u32], scratch: &mut Scratch) {
+        match self {
+            Self::Real(v) => gather(v, order, &mut scratch.real),
+            Self::Vector(v) => gather(v, order, &mut scratch.vector),
+            Self::Integer(v) => gather(v, order, &mut scratch.integer),
+            Self::Short(v) => gather(v, order, &mut scratch.short),
+        }
+    }
+
+    /// Makes the column `n` long; new entries are zero.
+    fn resize(self, n: usize) {
+        match self {
+            Self::Real(v) => v.resize(n, 0.0),
+            Self::Vector(v) => v.resize(n, Vec3::zeros()),
+            Self::Integer(v) => v.resize(n, 0),
+            Self::Short(v) => v.resize(n, 0),
+        }
+    }
+}
+
 /// Buffers that a permutation needs, kept between calls so that steady state allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
@@ -168,14 +198,22 @@ pub trait Columns {
             "a permutation names every particle once"
         );
         for (label, column) in self.list_mut() {
-            if label.optional && column.is_empty() {
-                continue;
+            if !(label.optional && column.is_empty()) {
+                column.permute(order, scratch);
             }
-            match column {
-                ColumnMut::Real(v) => gather(v, order, &mut scratch.real),
-                ColumnMut::Vector(v) => gather(v, order, &mut scratch.vector),
-                ColumnMut::Integer(v) => gather(v, order, &mut scratch.integer),
-                ColumnMut::Short(v) => gather(v, order, &mut scratch.short),
+        }
+    }
+
+    /// The same with no buffers kept: holds the memory of one column at a time.
+    fn permute_sparingly(&mut self, order: &[u32]) {
+        assert_eq!(
+            order.len(),
+            self.len(),
+            "a permutation names every particle once"
+        );
+        for (label, column) in self.list_mut() {
+            if !(label.optional && column.is_empty()) {
+                column.permute(order, &mut Scratch::default());
             }
         }
     }
@@ -199,12 +237,7 @@ pub trait Columns {
             if label.optional && column.is_empty() {
                 continue;
             }
-            match column {
-                ColumnMut::Real(v) => v.resize(n, 0.0),
-                ColumnMut::Vector(v) => v.resize(n, Vec3::zeros()),
-                ColumnMut::Integer(v) => v.resize(n, 0),
-                ColumnMut::Short(v) => v.resize(n, 0),
-            }
+            column.resize(n);
         }
     }
 
@@ -236,9 +269,24 @@ pub trait Columns {
     }
 }
 
-/// Appends all particles of `other` to `set`.
+/// Appends all particles of `other` to `set`. Where an optional column is empty in one of them alone, its entries are zero.
 pub fn append<C: Columns>(set: &mut C, other: &C) {
-    for ((_, to), (_, from)) in set.list_mut().into_iter().zip(other.list()) {
+    let (before, after) = (set.len(), set.len() + other.len());
+    let filled = |set: &C| -> Vec<bool> { set.list().iter().map(|(_, c)| !c.is_empty()).collect() };
+    let wanted: Vec<bool> = filled(set)
+        .into_iter()
+        .zip(filled(other))
+        .map(|(a, b)| a || b)
+        .collect();
+    let columns = set.list_mut().into_iter().zip(other.list()).zip(wanted);
+    for (((label, mut to), (_, from)), _) in columns.filter(|(_, wanted)| *wanted) {
+        if label.optional && to.is_empty() {
+            to.reborrow().resize(before);
+        }
+        if label.optional && from.is_empty() {
+            to.resize(after);
+            continue;
+        }
         match (to, from) {
             (ColumnMut::Real(a), ColumnRef::Real(b)) => a.extend_from_slice(b),
             (ColumnMut::Vector(a), ColumnRef::Vector(b)) => a.extend_from_slice(b),
@@ -375,6 +423,9 @@ mod tests {
     fn permutation_moves_all_columns_together() {
         let mut set = three();
         set.permute(&[2, 0, 1], &mut Scratch::default());
+        let mut other = three();
+        other.permute_sparingly(&[2, 0, 1]);
+        assert_eq!((&other.id, &other.x, &other.m), (&set.id, &set.x, &set.m));
         assert_eq!(set.id, [9, 7, 8]);
         assert_eq!(set.m, [2.0, 0.0, 1.0]);
         assert_eq!(set.x[0], Vec3::repeat(2.0));
@@ -388,6 +439,22 @@ mod tests {
         append(&mut set, &other);
         assert_eq!(set.id, [7, 9, 7, 9]);
         assert_eq!(set.m, [0.0, 2.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn a_column_that_one_of_two_sets_leaves_empty_is_filled_with_zeros() {
+        let (mut plain, charged) = (three(), three());
+        let charged = Set {
+            q: vec![1.0, 2.0, 3.0],
+            ..charged
+        };
+        append(&mut plain, &charged);
+        assert_eq!(plain.q, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0]);
+        append(&mut plain, &three());
+        assert_eq!((plain.q.len(), plain.len(), plain.q[8]), (9, 9, 0.0));
+        let mut both = three();
+        append(&mut both, &three());
+        assert!(both.q.is_empty() && both.len() == 6);
     }
 
     #[test]

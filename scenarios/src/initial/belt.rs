@@ -43,14 +43,21 @@ pub fn radius(mass: f64, density: f64) -> f64 {
 pub fn place(bodies: &mut Bodies, id: u64, body: Body, (x, v): (Vec3, Vec3)) {
     let n = bodies.len();
     bodies.resize(n + 1);
-    bodies.id[n] = id;
-    bodies.x[n] = x;
-    bodies.v[n] = v;
-    bodies.m[n] = body.mass;
-    bodies.radius[n] = body.radius;
-    bodies.density[n] = body.density;
-    bodies.softening[n] = body.softening;
-    bodies.kind[n] = body.kind as u32;
+    set(bodies, n, id, body, (x, v));
+}
+
+fn set(bodies: &mut Bodies, i: usize, id: u64, body: Body, (x, v): (Vec3, Vec3)) {
+    bodies.id[i] = id;
+    bodies.x[i] = x;
+    bodies.v[i] = v;
+    bodies.m[i] = body.mass;
+    bodies.radius[i] = body.radius;
+    if body.density > 0.0 {
+        bodies.density.resize(bodies.x.len(), 0.0);
+        bodies.density[i] = body.density;
+    }
+    bodies.softening[i] = body.softening;
+    bodies.kind[i] = body.kind as u32;
 }
 
 /// Adds a body on an orbit about `centre`.
@@ -80,8 +87,8 @@ pub struct Belt {
 }
 
 impl Belt {
-    /// Planetesimals with ids from `first_id` on; each draws its orbit from the stream of its id.
-    pub fn bodies(&self, centre: &Centre, seed: u64, first_id: u64) -> Bodies {
+    /// Adds planetesimals with ids from `first_id` on; each draws its orbit from the stream of its id.
+    pub fn add_to(&self, bodies: &mut Bodies, centre: &Centre, seed: u64, first_id: u64) {
         self.check();
         let body = Body {
             kind: Kind::Planetesimal,
@@ -94,11 +101,14 @@ impl Belt {
             density: if self.mass > 0.0 { 0.0 } else { self.density },
             softening: self.softening,
         };
-        let mut bodies = Bodies::default();
-        for id in (first_id..).take(self.number) {
-            orbit(&mut bodies, id, body, &self.elements(seed, id), centre);
+        let n = bodies.len();
+        bodies.resize(n + self.number);
+        for (i, id) in (n..n + self.number).zip(first_id..) {
+            let (x, v) = self
+                .elements(seed, id)
+                .state(centre.g * (centre.mass + body.mass));
+            set(bodies, i, id, body, (centre.x + x, centre.v + v));
         }
-        bodies
     }
 
     /// The orbit of planetesimal `id`.
@@ -172,6 +182,12 @@ mod tests {
             eccentricity: 0.02,
             inclination: 0.01,
         }
+    }
+
+    fn around_star(belt: &Belt, seed: u64, first_id: u64) -> Bodies {
+        let mut bodies = Bodies::default();
+        belt.add_to(&mut bodies, &STAR, seed, first_id);
+        bodies
     }
 
     const STAR: Centre = Centre {
@@ -260,10 +276,10 @@ mod tests {
             number: 10,
             ..belt()
         };
-        let bodies = few.bodies(&STAR, 4, 100);
+        let bodies = around_star(&few, 4, 100);
         assert_eq!(bodies.id, (100..110).collect::<Vec<u64>>());
-        assert_eq!(few.bodies(&STAR, 4, 101).x[..9], bodies.x[1..]);
-        assert_ne!(few.bodies(&STAR, 5, 100).x, bodies.x);
+        assert_eq!(around_star(&few, 4, 101).x[..9], bodies.x[1..]);
+        assert_ne!(around_star(&few, 5, 100).x, bodies.x);
         for i in 0..10 {
             let (x, v) = (bodies.x[i] - STAR.x, bodies.v[i] - STAR.v);
             let a = few.elements(4, 100 + i as u64).semi_major_axis;

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use nbody::gravity::{Accuracy, Method, Settings};
 use nbody::integrators::hybrid::{Hybrid, Map, cutoff::Cutoff, soft::Soft};
 use nbody::orbit::Elements;
-use nbody::points::{Columns, Vec3, columns::append};
+use nbody::points::{Columns, Vec3};
 use nbody::{Bodies, Kind};
 use rayon::prelude::*;
 
@@ -81,7 +81,7 @@ fn growth(populations: &[Population], orbits: usize, seed: u64) -> Vec<Squares> 
     let mut ends = vec![0];
     for population in populations {
         let first = bodies.len() as u64 + 1;
-        append(&mut bodies, &population.belt().bodies(&centre, seed, first));
+        population.belt().add_to(&mut bodies, &centre, seed, first);
         ends.push(bodies.len());
     }
     // A swarm at rest as a whole.

@@ -11,63 +11,72 @@ pub struct Clusters {
     pub members: Vec<u32>,
     /// Where each cluster begins in `members`, and the end.
     starts: Vec<u32>,
-    /// A body's link towards the first of its cluster; itself outside of the search.
+    /// All members, ascending.
+    all: Vec<u32>,
+    /// A member's link towards the first of its cluster, by numbers in `all`.
     link: Vec<u32>,
-    /// Which cluster a first body begins.
+    /// Which cluster a member is in.
     number: Vec<u32>,
 }
 
 impl Clusters {
-    /// Joins `n` bodies by `pairs`.
-    pub fn join(&mut self, n: usize, pairs: &[[u32; 2]]) {
-        let kept = self.link.len().min(n);
-        self.link.truncate(kept);
-        self.link.extend(kept as u32..n as u32);
-        self.number.resize(n, 0);
-        self.members.clear();
-        for &[i, j] in pairs {
-            self.members.extend([i, j]);
-            let (a, b) = (self.first(i), self.first(j));
+    /// Joins bodies by `pairs`.
+    pub fn join(&mut self, pairs: &[[u32; 2]]) {
+        self.all.clear();
+        self.all.extend(pairs.iter().flatten());
+        self.all.sort_unstable();
+        self.all.dedup();
+        self.link.clear();
+        self.link.extend(0..self.all.len() as u32);
+        for pair in pairs {
+            let [a, b] = pair.map(|i| self.first(i));
             self.link[a.max(b) as usize] = a.min(b);
         }
-        self.members.sort_unstable();
-        self.members.dedup();
-        self.starts.clear();
-        self.starts.push(0);
-        for k in 0..self.members.len() {
-            let i = self.members[k];
-            let first = self.first(i);
-            if first == i {
-                self.number[i as usize] = self.starts.len() as u32;
-                self.starts.push(0);
-            }
-            self.starts[self.number[first as usize] as usize] += 1;
+        self.count_off();
+        self.members.clear();
+        self.members.resize(self.all.len(), 0);
+        for (&i, &cluster) in self.all.iter().zip(&self.number) {
+            let place = &mut self.starts[cluster as usize];
+            self.members[*place as usize] = i;
+            *place += 1;
         }
-        let (link, number) = (&self.link, &self.number);
-        let root = |mut i: u32| {
-            while link[i as usize] != i {
-                i = link[i as usize];
-            }
-            i
-        };
-        self.members
-            .sort_unstable_by_key(|&i| (number[root(i) as usize], i));
-        for k in 1..self.starts.len() {
-            self.starts[k] += self.starts[k - 1];
-        }
-        for &i in &self.members {
-            self.link[i as usize] = i;
-        }
+        // Each start has become the next one's.
+        self.starts.pop();
+        self.starts.insert(0, 0);
     }
 
-    /// The first body of i's cluster; shortens the way there.
-    fn first(&mut self, mut i: u32) -> u32 {
-        while self.link[i as usize] != i {
-            let next = self.link[i as usize];
-            self.link[i as usize] = self.link[next as usize];
-            i = next;
+    /// Numbers the clusters in the order of their first members, and finds where each begins.
+    fn count_off(&mut self) {
+        self.number.clear();
+        self.starts.clear();
+        for k in 0..self.all.len() {
+            // Links lead to the front, where they are numbered already.
+            let first = self.link[k] as usize;
+            if first == k {
+                self.number.push(self.starts.len() as u32);
+                self.starts.push(0);
+            } else {
+                self.number.push(self.number[first]);
+            }
+            self.starts[self.number[k] as usize] += 1;
         }
-        i
+        let mut begin = 0;
+        for start in &mut self.starts {
+            (*start, begin) = (begin, begin + *start);
+        }
+        self.starts.push(begin);
+    }
+
+    /// The first member, by its number in `all`, of the cluster of body i; shortens the way there.
+    fn first(&mut self, i: u32) -> u32 {
+        let place = self.all.partition_point(|&other| other < i);
+        let mut k = place as u32;
+        while self.link[k as usize] != k {
+            let next = self.link[k as usize];
+            self.link[k as usize] = self.link[next as usize];
+            k = next;
+        }
+        k
     }
 
     pub fn count(&self) -> usize {
@@ -107,7 +116,7 @@ mod tests {
             }
             expected.retain(|c| c.len() > 1);
             for _ in 0..2 {
-                clusters.join(n as usize, &pairs);
+                clusters.join(&pairs);
                 let found: Vec<Vec<u32>> = (0..clusters.count())
                     .map(|k| clusters.members[clusters.range(k)].to_vec())
                     .collect();
@@ -115,7 +124,7 @@ mod tests {
                 pairs.reverse();
             }
         }
-        clusters.join(5, &[]);
+        clusters.join(&[]);
         assert_eq!(clusters.count(), 0);
     }
 }

@@ -7,38 +7,74 @@
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use crate::points::sort::{Cube, Curve};
-use crate::points::{Tree, Vec3};
+use crate::encounters::paths::{Approach, Paths};
+use crate::points::{Domain, Vec3};
 
-/// Bodies a leaf of the tree.
-const LEAF: usize = 8;
 /// Up to so many bodies all pairs are looked at.
-const FEW: usize = 1500;
+pub const FEW: usize = 1500;
 
-/// What decides whether two bodies are neighbours; places are those of the caller.
+/// What decides whether two bodies are neighbours; places are those of the caller. With a step, places are counted from the star.
 #[derive(Clone, Copy)]
 pub struct Swarm<'a> {
     pub m: &'a [f64],
     pub x: &'a [Vec3],
     pub v: &'a [Vec3],
     pub cutoff: &'a [f64],
-    /// (Omega dt)^2 of each body.
-    pub bend: &'a [f64],
+    /// G times the star's mass.
+    pub mu: f64,
     pub dt: f64,
 }
 
 impl Swarm<'_> {
+    /// (Omega dt)^2 of body i; further bending than by the distance itself means nothing.
+    fn bend(&self, i: usize) -> f64 {
+        if self.dt == 0.0 {
+            return 0.0;
+        }
+        let q2 = self.x[i].norm_squared();
+        (self.mu * self.dt * self.dt / (q2 * q2.sqrt())).min(1.0)
+    }
+
     /// Whether bodies i and j meet.
     #[inline]
     fn meet(&self, i: usize, j: usize) -> bool {
         let reach = self.cutoff[i].max(self.cutoff[j]);
-        let bend = self.bend[i].max(self.bend[j]);
+        let bend = self.bend(i).max(self.bend(j));
         meets(
             self.x[j] - self.x[i],
             self.v[j] - self.v[i],
             [reach, bend],
             self.dt,
         ) && self.m[i] + self.m[j] > 0.0
+    }
+}
+
+impl Approach for Swarm<'_> {
+    type Pair = [u32; 2];
+
+    fn x(&self) -> &[Vec3] {
+        self.x
+    }
+
+    fn v(&self) -> &[Vec3] {
+        self.v
+    }
+
+    fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    fn share(&self, i: usize) -> [f64; 2] {
+        [self.cutoff[i], self.bend(i)]
+    }
+
+    fn reach(&self, a: [f64; 2], b: [f64; 2], path: f64) -> f64 {
+        let bend = a[1].max(b[1]);
+        a[0].max(b[0]) * (1.0 + bend) + bend * path
+    }
+
+    fn pair(&self, i: usize, j: usize, _: Vec3) -> Option<[u32; 2]> {
+        self.meet(i, j).then(|| [i.min(j) as u32, i.max(j) as u32])
     }
 }
 
@@ -55,21 +91,14 @@ fn meets(d: Vec3, w: Vec3, [reach, bend]: [f64; 2], dt: f64) -> bool {
     (d + w * nearest).norm_squared() < reach * reach
 }
 
-/// The search; keeps its tree and buffers between calls.
+/// The search; keeps its tree from a kick to the drift after it.
 #[derive(Debug, Default)]
 pub struct Neighbours {
     pub pairs: Vec<[u32; 2]>,
     columns: [Vec<f64>; 8],
-    curve: Curve,
-    tree: Tree,
-    /// Along the curve.
-    x: Vec<Vec3>,
-    v: Vec<Vec3>,
-    /// Boxes of a node's velocities, its largest cut-off and bend.
-    slowest: Vec<Vec3>,
-    fastest: Vec<Vec3>,
-    reach: Vec<f64>,
-    bend: Vec<f64>,
+    paths: Paths,
+    /// Bodies that the tree was planted over where they are now, or zero.
+    planted: usize,
 }
 
 impl Neighbours {
@@ -79,11 +108,19 @@ impl Neighbours {
         self.pairs.clear();
         if swarm.x.len() <= FEW {
             self.all_pairs(swarm);
-        } else {
-            self.plant(swarm);
-            self.search(swarm);
-            self.pairs.par_sort_unstable();
+            return;
         }
+        if self.planted != swarm.x.len() {
+            self.paths.plant(swarm.x);
+            self.planted = swarm.x.len();
+        }
+        self.paths.search(swarm, &Domain::open(), &mut self.pairs);
+        self.pairs.par_sort_unstable();
+    }
+
+    /// To be called when bodies have moved by a step: fells the tree.
+    pub fn uproot(&mut self) {
+        (self.planted, self.paths) = (0, Paths::default());
     }
 
     /// All pairs, sifted by a wide bound without roots first: d^2 < 2 (c^2 (1 + bend)^2 + w^2 dt^2 (1 + bend)^2).
@@ -95,7 +132,7 @@ impl Neighbours {
                 0..3 => swarm.x[i][k],
                 3..6 => swarm.v[i][k - 3] * swarm.dt,
                 6 => swarm.cutoff[i],
-                _ => 2.0 * (1.0 + swarm.bend[i]).powi(2),
+                _ => 2.0 * (1.0 + swarm.bend(i)).powi(2),
             }));
         }
         let (columns, pairs) = (&self.columns, &mut self.pairs);
@@ -114,90 +151,6 @@ impl Neighbours {
                 },
             )
         });
-    }
-
-    fn plant(&mut self, swarm: &Swarm<'_>) {
-        self.curve.thread(swarm.x, Cube::around(swarm.x));
-        let order = &self.curve.order;
-        gather(&mut self.x, swarm.x, order);
-        gather(&mut self.v, swarm.v, order);
-        self.tree.build(&self.x, &self.curve.keys, LEAF);
-        let tree = &self.tree;
-        tree.largest(|k| swarm.cutoff[order[k] as usize], &mut self.reach);
-        tree.largest(|k| swarm.bend[order[k] as usize], &mut self.bend);
-        let (v, nodes) = (&self.v, tree.nodes.len());
-        self.slowest.clear();
-        self.slowest.resize(nodes, Vec3::repeat(f64::INFINITY));
-        self.fastest.clear();
-        self.fastest.resize(nodes, Vec3::repeat(f64::NEG_INFINITY));
-        for i in (0..nodes).rev() {
-            (self.slowest[i], self.fastest[i]) = match tree.children(i) {
-                Some((a, b)) => (
-                    self.slowest[a].inf(&self.slowest[b]),
-                    self.fastest[a].sup(&self.fastest[b]),
-                ),
-                None => v[tree.nodes[i].range()]
-                    .iter()
-                    .fold((self.slowest[i], self.fastest[i]), |(lo, hi), v| {
-                        (lo.inf(v), hi.sup(v))
-                    }),
-            };
-        }
-    }
-
-    fn search(&mut self, swarm: &Swarm<'_>) {
-        let mut pairs = std::mem::take(&mut self.pairs);
-        let this = &*self;
-        let leaves = this.tree.leaves.par_iter().with_min_len(64);
-        pairs.par_extend(leaves.flat_map_iter(|&leaf| {
-            let mut own = Vec::new();
-            this.walk(leaf as usize, swarm, &mut own);
-            own
-        }));
-        self.pairs = pairs;
-    }
-
-    /// Pairs of the leaf's bodies with each other and with those further along the curve.
-    fn walk(&self, leaf: usize, swarm: &Swarm<'_>, pairs: &mut Vec<[u32; 2]>) {
-        let nodes = &self.tree.nodes;
-        let mine = nodes[leaf].range();
-        let mut i = 0;
-        while i < nodes.len() {
-            let node = &nodes[i];
-            if node.end as usize <= mine.start || self.apart(leaf, i, swarm.dt) {
-                i = node.skip as usize;
-                continue;
-            }
-            if self.tree.is_leaf(i) {
-                let place = |k: usize| self.curve.order[k] as usize;
-                for a in mine.clone() {
-                    let others = node.range().filter(|&b| b > a);
-                    let met = others.filter(|&b| swarm.meet(place(a), place(b)));
-                    pairs.extend(met.map(|b| {
-                        let mut pair = [place(a) as u32, place(b) as u32];
-                        pair.sort_unstable();
-                        pair
-                    }));
-                }
-            }
-            i += 1;
-        }
-    }
-
-    /// Whether no body of the leaf can meet one of the node.
-    #[inline]
-    fn apart(&self, leaf: usize, node: usize, dt: f64) -> bool {
-        let (a, b) = (&self.tree.nodes[leaf], &self.tree.nodes[node]);
-        // Relative velocities of the node's bodies as seen from the leaf's.
-        let slowest = self.slowest[node] - self.fastest[leaf];
-        let fastest = self.fastest[node] - self.slowest[leaf];
-        let bend = self.bend[leaf].max(self.bend[node]);
-        let path = slowest.abs().sup(&fastest.abs()).norm() * dt;
-        let reach = self.reach[leaf].max(self.reach[node]) * (1.0 + bend) + bend * path;
-        (0..3).any(|axis| {
-            let (back, forth) = (slowest[axis].min(0.0) * dt, fastest[axis].max(0.0) * dt);
-            b.lo[axis] + back - a.hi[axis] > reach || a.lo[axis] - (b.hi[axis] + forth) > reach
-        })
     }
 }
 
@@ -226,11 +179,6 @@ fn near([x, y, z, vx, vy, vz, c, wide]: &[Vec<f64>; 8], i: usize) -> u64 {
     count
 }
 
-fn gather<T: Copy>(to: &mut Vec<T>, from: &[T], order: &[u32]) {
-    to.clear();
-    to.extend(order.iter().map(|&i| from[i as usize]));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,20 +195,20 @@ mod tests {
             let mut cutoff: Vec<f64> = (0..n).map(|_| 0.08 * vector().x).collect();
             cutoff[n / 2] = 0.2;
             let m: Vec<f64> = (0..n).map(|i| f64::from(i % 3 != 0)).collect();
-            let bend: Vec<f64> = (0..n).map(|_| 0.1 * vector().x).collect();
             let swarm = Swarm {
                 m: &m,
                 x: &x,
                 v: &v,
                 cutoff: &cutoff,
-                bend: &bend,
+                mu: 5.0,
                 dt,
             };
             let mut expected = Vec::new();
             for i in 0..n {
                 for j in i + 1..n {
                     let reach = cutoff[i].max(cutoff[j]);
-                    let bend = bend[i].max(bend[j]);
+                    let omega2 = |i: usize| 5.0 / x[i].norm().powi(3);
+                    let bend = (omega2(i).max(omega2(j)) * dt * dt).min(1.0);
                     if meets(x[j] - x[i], v[j] - v[i], [reach, bend], dt) && m[i] + m[j] > 0.0 {
                         expected.push([i as u32, j as u32]);
                     }

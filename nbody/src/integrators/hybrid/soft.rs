@@ -3,10 +3,12 @@
 //! Few bodies by all pairs in f64 with K in the sum. Many by the tree: its field is Newton's, pairs near each other exact in f64, and
 //! the hard part of each pair within its cut-off is taken off again. Planets are left out of the tree and pull pair by pair.
 
+use std::borrow::Cow;
+
 use fearless_simd::{Level, dispatch};
 
-use super::Hybrid;
 use super::changeover::soft_part;
+use super::{Hybrid, typical};
 use crate::bodies::{Bodies, Kind};
 use crate::gravity::{Gravity, Settings};
 use crate::points::Vec3;
@@ -16,36 +18,43 @@ use rayon::prelude::*;
 /// Up to so many bodies all pairs are summed.
 const FEW: usize = 2500;
 
-/// The soft field; keeps its tree and buffers between calls.
+/// The soft field; keeps the buffers of few bodies between calls. The tree of many lives as long as a call: by far the largest thing
+/// that a run of bodies has, it would stand idle beside what the rest of a step needs.
 pub struct Soft {
-    tree: Gravity,
+    settings: Settings,
     g: f64,
     columns: [Vec<f64>; 6],
     sums: [Vec<f64>; 3],
-    m: Vec<f64>,
-    active: Vec<u32>,
 }
 
 impl Soft {
     pub fn new(settings: Settings) -> Self {
         Self {
-            tree: Gravity::new(settings),
+            settings,
             g: settings.constant,
             columns: Default::default(),
             sums: Default::default(),
-            m: Vec::new(),
-            active: Vec::new(),
         }
     }
 
-    /// Finds the soft accelerations of all bodies, into their `a`.
-    pub fn field(&mut self, hybrid: &mut Hybrid, star: &Bodies, bodies: &mut Bodies) {
+    /// Finds the soft accelerations of all bodies, into their `a`; if wanted also their whole potentials by each other, planets left out. Returns the
+    /// number of interactions.
+    pub fn field(
+        &mut self,
+        hybrid: &mut Hybrid,
+        star: &Bodies,
+        bodies: &mut Bodies,
+        potentials: bool,
+    ) -> u64 {
         hybrid.choose(star, bodies, self.g);
         if bodies.m.len() <= FEW {
-            self.all_pairs(&hybrid.cutoffs, bodies);
-            return;
+            self.all_pairs(bodies);
+            if potentials {
+                self.all_potentials(bodies);
+            }
+            return (bodies.m.len() as u64).pow(2);
         }
-        self.by_tree(hybrid, bodies);
+        let interactions = self.by_tree(bodies, potentials);
         hybrid.soften(bodies, self.g);
         // What the tree's bodies do to a planet comes with what it does to them.
         for (a, &kind) in bodies.a.iter_mut().zip(&bodies.kind) {
@@ -55,35 +64,61 @@ impl Soft {
         }
         for p in 0..bodies.m.len() {
             if bodies.kind[p] == Kind::Planet as u32 {
-                pull_of_planet(p, &hybrid.cutoffs, self.g, bodies);
+                pull_of_planet(p, self.g, bodies);
             }
         }
+        interactions
     }
 
-    fn by_tree(&mut self, hybrid: &Hybrid, bodies: &mut Bodies) {
+    fn by_tree(&self, bodies: &mut Bodies, potentials: bool) -> u64 {
         let n = bodies.m.len();
         let planet = |i: usize| bodies.kind[i] == Kind::Planet as u32;
-        self.m.clear();
-        self.m
-            .extend((0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] }));
-        if self.active.len() != n {
-            self.active.clear();
-            self.active.extend(0..n as u32);
-        }
-        self.tree.resolve(hybrid.typical());
-        self.tree.build(&bodies.x, &self.m, &bodies.softening);
+        let m: Cow<[f64]> = if (0..n).any(planet) {
+            let small = (0..n).map(|i| if planet(i) { 0.0 } else { bodies.m[i] });
+            small.collect()
+        } else {
+            Cow::Borrowed(&bodies.m)
+        };
+        let active: Vec<u32> = (0..n as u32).collect();
+        let mut tree = Gravity::new(self.settings);
+        tree.resolve(typical(&bodies.cutoff));
+        tree.build(&bodies.x, &m, &bodies.softening);
         bodies.a.resize(n, Vec3::zeros());
-        self.tree.field(&self.active, &mut bodies.a, &mut []);
+        let phi = if potentials {
+            &mut bodies.potential[..]
+        } else {
+            &mut []
+        };
+        let count = tree.field(&active, &mut bodies.a, phi);
+        count.interactions
     }
 
-    fn all_pairs(&mut self, cutoffs: &[f64], bodies: &mut Bodies) {
+    /// The potentials of bodies but planets by each other.
+    fn all_potentials(&self, bodies: &mut Bodies) {
+        let (x, m, softening, kind) = (&bodies.x, &bodies.m, &bodies.softening, &bodies.kind);
+        let of = |i: usize| -> f64 {
+            let others =
+                (0..x.len()).filter(|&j| j != i && kind[j] != Kind::Planet as u32 && m[j] > 0.0);
+            let over = |j: usize| {
+                let eps2 = softening[i] * softening[i] + softening[j] * softening[j];
+                m[j] / ((x[j] - x[i]).norm_squared() + eps2).sqrt()
+            };
+            -self.g * others.map(over).sum::<f64>()
+        };
+        let potentials = bodies.potential.par_iter_mut().enumerate();
+        potentials
+            .with_min_len(64)
+            .for_each(|(i, phi)| *phi = of(i));
+    }
+
+    fn all_pairs(&mut self, bodies: &mut Bodies) {
         let n = bodies.m.len();
         for (k, column) in self.columns.iter_mut().enumerate() {
             column.clear();
             column.extend((0..n).map(|i| match k {
                 0..3 => bodies.x[i][k],
                 3 => bodies.m[i] * self.g,
-                4 => 1.0 / cutoffs[i].max(f64::MIN_POSITIVE),
+                4 => 1.0 / bodies.cutoff[i].max(f64::MIN_POSITIVE),
                 _ => bodies.softening[i] * bodies.softening[i],
             }));
         }
@@ -147,8 +182,9 @@ fn add_pull<const SOFTENED: bool>(
 }
 
 /// Adds the soft pull of planet `p` on everybody and theirs on it; other planets' pulls on it come with them.
-fn pull_of_planet(p: usize, cutoffs: &[f64], g: f64, bodies: &mut Bodies) {
+fn pull_of_planet(p: usize, g: f64, bodies: &mut Bodies) {
     let (x, softening, m) = (&bodies.x, &bodies.softening, &bodies.m);
+    let cutoffs = &bodies.cutoff;
     let pull = |i: usize| {
         let d = x[p] - x[i];
         let eps2 = softening[i] * softening[i] + softening[p] * softening[p];

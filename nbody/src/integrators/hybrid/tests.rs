@@ -248,7 +248,7 @@ fn field_error(n: u32) -> f64 {
         for j in 0..n as usize {
             let d = bodies.x[j] - bodies.x[i];
             let eps2 = bodies.softening[i].powi(2) + bodies.softening[j].powi(2);
-            let cutoff = map.hybrid.cutoffs[i].max(map.hybrid.cutoffs[j]);
+            let cutoff = bodies.cutoff[i].max(bodies.cutoff[j]);
             sum += d * (soft::soft_pull(1.0, d.norm_squared(), eps2, cutoff) * bodies.m[j]);
         }
         error += (bodies.a[i] - sum).norm_squared();
@@ -261,6 +261,91 @@ fn field_error(n: u32) -> f64 {
 fn the_soft_field_is_the_sum_of_soft_pulls() {
     let (few, many) = (field_error(500), field_error(3000));
     assert!(few < 5e-15 && many < 2e-5, "{few:e} {many:e}");
+}
+
+/// Largest relative error of the potentials by each other of `n` bodies and an idle planet, and what a planet's mass would make of it.
+fn potential_error(n: u32) -> f64 {
+    let (star, mut bodies) = ring(n, 1e-8, 2e-5);
+    (bodies.kind[7], bodies.m[7]) = (Kind::Planet as u32, 1e-5);
+    bodies.softening[11] = 0.1;
+    let mut map = map(0.02, true);
+    map.soft.field(&mut map.hybrid, &star, &mut bodies, true);
+    let errors = (0..n as usize).map(|i| {
+        let others = (0..n as usize).filter(|&j| j != i && j != 7);
+        let pull = |j: usize| {
+            let eps2 = bodies.softening[i].powi(2) + bodies.softening[j].powi(2);
+            bodies.m[j] / ((bodies.x[j] - bodies.x[i]).norm_squared() + eps2).sqrt()
+        };
+        let phi = -others.map(pull).sum::<f64>();
+        (bodies.potential[i] / phi - 1.0).abs()
+    });
+    errors.fold(0.0, |most, error| {
+        if error > most || error.is_nan() {
+            error
+        } else {
+            most
+        }
+    })
+}
+
+#[test]
+fn the_soft_field_tells_the_whole_potentials() {
+    let (few, many) = (potential_error(300), potential_error(3000));
+    assert!(few < 1e-15 && many < 2e-3, "{few:e} {many:e}");
+}
+
+/// Bodies with their ids, by id.
+fn by_id(bodies: &Bodies, column: &[Vec3]) -> Vec<Vec3> {
+    let mut all: Vec<(u64, Vec3)> = bodies
+        .id
+        .iter()
+        .copied()
+        .zip(column.iter().copied())
+        .collect();
+    all.sort_by_key(|&(id, _)| id);
+    all.into_iter().map(|(_, value)| value).collect()
+}
+
+#[test]
+fn many_bodies_go_the_same_ways_in_the_order_of_the_curve() {
+    let (mut star, mut bodies) = ring(4000, 1e-8, 2e-5);
+    let (mut other_star, mut other) = (star.clone(), bodies.clone());
+    let (mut map, mut arranged) = (map(0.02, true), map(0.02, true));
+    map.prepare(&star, &mut bodies);
+    let order = arranged.hybrid.arrange(&mut other);
+    assert!(
+        order
+            .iter()
+            .zip(&other.id)
+            .all(|(&i, &id)| bodies.id[i as usize] == id)
+    );
+    assert_ne!(other.id, bodies.id);
+    arranged.prepare(&other_star, &mut other);
+    for _ in 0..3 {
+        map.step(&mut star, &mut bodies).expect("a way");
+        arranged.step(&mut other_star, &mut other).expect("a way");
+        arranged.hybrid.arrange(&mut other);
+        assert_eq!(map.hybrid.clustered(), arranged.hybrid.clustered());
+        assert_eq!(map.hybrid.touches.len(), arranged.hybrid.touches.len());
+    }
+    let apart = by_id(&bodies, &bodies.x)
+        .into_iter()
+        .zip(by_id(&other, &other.x));
+    let apart = apart.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    // Sums over all come out otherwise rounded.
+    assert!(apart < 1e-13, "{apart:e}");
+}
+
+#[test]
+fn what_softening_takes_off_is_the_hard_part() {
+    let (star, mut bodies) = ring(3000, 1e-6, 2e-5);
+    let mut hybrid = map(0.02, true).hybrid;
+    hybrid.choose(&star, &mut bodies, 1.0);
+    let mut pulls = vec![Vec3::zeros(); bodies.len()];
+    hybrid.add_hard(&bodies, 1.0, &mut pulls);
+    hybrid.soften_all(&mut bodies, 1.0);
+    assert!(pulls.iter().filter(|pull| pull.norm() > 0.0).count() > 100);
+    assert!(pulls.iter().zip(&bodies.a).all(|(pull, a)| *pull == -a));
 }
 
 /// Two points that fall past each other, with a third not far, keep their energy and go on.

@@ -1,0 +1,172 @@
+//! Gas and dust of a scene as text.
+
+use super::text::Text;
+use crate::scene::{
+    Block, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation, Gas, Hydro,
+    Kernel, Lattice, Sizes, Thermal, Viscosity,
+};
+
+pub fn write_gas(text: &mut Text, gas: &Gas) {
+    text.table("gas");
+    if gas.particles > 0 {
+        text.raw("particles", gas.particles);
+    }
+    text.softening(gas.softening);
+    write_eos(text, &gas.eos);
+    if let Some(disk) = &gas.disk {
+        write_disk(text, disk, &gas.eos);
+    }
+    for entry in &gas.blocks {
+        text.entry("gas.block");
+        write_block(text, &entry.block);
+        match entry.thermal {
+            Thermal::Pressure(pressure) => text.number("pressure", pressure),
+            Thermal::InternalEnergy(energy) => text.number("internal_energy", energy),
+            Thermal::Eos => {}
+        }
+    }
+    text.table("gas.cooling");
+    match gas.cooling {
+        Cooling::None => text.text("kind", "none"),
+    }
+    write_hydro(text, &gas.hydro);
+    text.table("gas.viscosity");
+    let mut viscosity = |kind, alpha, beta| {
+        text.text("kind", kind);
+        text.number("alpha", alpha);
+        text.number("beta", beta);
+    };
+    match gas.viscosity {
+        Viscosity::None => text.text("kind", "none"),
+        Viscosity::Constant { alpha, beta } => viscosity("constant", alpha, beta),
+        Viscosity::Balsara { alpha, beta } => viscosity("balsara", alpha, beta),
+    }
+}
+
+fn write_eos(text: &mut Text, eos: &Eos) {
+    text.table("gas.eos");
+    let weight = match *eos {
+        Eos::Ideal {
+            gamma,
+            mean_molecular_weight,
+        } => {
+            text.text("kind", "ideal");
+            text.number("gamma", gamma);
+            mean_molecular_weight
+        }
+        Eos::Isothermal {
+            sound_speed,
+            mean_molecular_weight,
+        } => {
+            text.text("kind", "isothermal");
+            text.number("sound_speed", sound_speed);
+            mean_molecular_weight
+        }
+        Eos::LocallyIsothermal {
+            aspect_ratio,
+            exponent,
+            reference_radius,
+            mean_molecular_weight,
+            ..
+        } => {
+            text.text("kind", "locally-isothermal");
+            text.number("aspect_ratio", aspect_ratio);
+            text.number("exponent", exponent);
+            text.number("reference_radius", reference_radius);
+            mean_molecular_weight
+        }
+    };
+    text.number("mean_molecular_weight", weight);
+}
+
+fn write_disk(text: &mut Text, disk: &Disk, eos: &Eos) {
+    text.table("gas.disk");
+    match disk.amount {
+        DiskAmount::SurfaceDensity(sigma) => text.number("surface_density", sigma),
+        DiskAmount::Mass(mass) => text.number("mass", mass),
+    }
+    text.number("slope", disk.slope);
+    text.number("reference_radius", disk.reference_radius);
+    if matches!(eos, Eos::Ideal { .. }) {
+        text.number("aspect_ratio", disk.aspect_ratio);
+        text.number("exponent", disk.exponent);
+    }
+    text.number("inner_radius", disk.inner_radius);
+    text.number("outer_radius", disk.outer_radius);
+    text.number("taper", disk.taper);
+}
+
+fn write_block(text: &mut Text, block: &Block) {
+    text.vector("lo", block.lo);
+    text.vector("hi", block.hi);
+    text.number("spacing", block.spacing);
+    text.text(
+        "lattice",
+        match block.lattice {
+            Lattice::Cubic => "cubic",
+            Lattice::Bcc => "bcc",
+            Lattice::Random => "random",
+        },
+    );
+    text.number("density", block.density);
+    text.vector("velocity", block.velocity);
+}
+
+fn write_hydro(text: &mut Text, hydro: &Hydro) {
+    text.table("gas.hydro");
+    match hydro.formulation {
+        Formulation::Density => text.text("formulation", "density"),
+    }
+    text.text(
+        "kernel",
+        match hydro.kernel {
+            Kernel::WendlandC2 => "wendland-c2",
+            Kernel::CubicSpline => "cubic-spline",
+        },
+    );
+    text.number("neighbours", hydro.neighbours);
+    text.number("courant", hydro.courant);
+    text.number("tolerance", hydro.tolerance);
+}
+
+pub fn write_dust(text: &mut Text, dust: &Dust) {
+    text.table("dust");
+    if dust.particles > 0 {
+        text.raw("particles", dust.particles);
+        text.number("scale_height", dust.scale_height);
+        text.number("inner_radius", dust.inner_radius);
+        text.number("outer_radius", dust.outer_radius);
+    }
+    text.softening(dust.softening);
+    match dust.amount {
+        Some(DustAmount::DustToGas(ratio)) => text.number("dust_to_gas", ratio),
+        Some(DustAmount::Mass(mass)) => text.number("mass", mass),
+        None => {}
+    }
+    match dust.sizes {
+        Some(Sizes::One(radius)) => text.number("size", radius),
+        Some(Sizes::Range { min, max, slope }) => text.raw(
+            "size",
+            format_args!("{{ min = {min:?}, max = {max:?}, slope = {slope:?} }}"),
+        ),
+        None => {}
+    }
+    text.number("material_density", dust.material_density);
+    for block in &dust.blocks {
+        text.entry("dust.block");
+        write_block(text, block);
+    }
+    text.table("dust.drag");
+    match dust.drag {
+        DustDrag::None => text.text("law", "none"),
+        DustDrag::Epstein => text.text("law", "epstein"),
+        DustDrag::ConstantStoppingTime(time) => {
+            text.text("law", "constant-stopping-time");
+            text.number("stopping_time", time);
+        }
+        DustDrag::ConstantStokesNumber(stokes) => {
+            text.text("law", "constant-stokes-number");
+            text.number("stokes_number", stokes);
+        }
+    }
+}
