@@ -258,6 +258,9 @@ fn is_small([step, bend]: [f64; 2], [_, d2, d3]: [f64; 3], beta: f64) -> bool {
 }
 
 /// G0, G1, G2 moved by a small step: Taylor's series to fourth order; to third the energy would grow by 4e-18 a drift.
+///
+/// Each takes up its whole change by one addition: of a change in two parts the smaller would be lost to rounding at every step,
+/// always the same way, and the energy of a planet would fall by up to 2e-19 a drift.
 #[inline]
 fn shifted(beta: f64, [g0, g1, g2, _]: [f64; 4], d: f64) -> [f64; 3] {
     let (b, h, t) = (beta * d, 0.5 * d, d / 3.0);
@@ -265,7 +268,7 @@ fn shifted(beta: f64, [g0, g1, g2, _]: [f64; 4], d: f64) -> [f64; 3] {
     let mean = g1 + h * (g0 - t * beta * m1);
     [
         g0 - b * mean,
-        g1 + d * g0 - b * h * (g1 + t * m0),
+        g1 + d * (g0 - 0.5 * b * (g1 + t * m0)),
         g2 + d * mean,
     ]
 }

@@ -128,7 +128,7 @@ impl<V> Orbits<V> {
     }
 }
 
-/// G0, G1, G2 moved by a small step: Taylor's series to fourth order.
+/// G0, G1, G2 moved by a small step: Taylor's series to fourth order, added at once as in the scalar drift.
 #[inline(always)]
 fn shifted<S: Simd, V: Wide<S>>(beta: V, [g0, g1, g2, _]: [V; 4], d: V) -> [V; 3] {
     let (b, h, t) = (beta * d, d * 0.5, d * (1.0 / 3.0));
@@ -137,7 +137,7 @@ fn shifted<S: Simd, V: Wide<S>>(beta: V, [g0, g1, g2, _]: [V; 4], d: V) -> [V; 3
     let mean = h.mul_add(g0 - t * (beta * m1), g1);
     [
         g0 - b * mean,
-        d.mul_add(g0, g1) - b * h * t.mul_add(m0, g1),
+        d.mul_add(g0 - b * 0.5 * t.mul_add(m0, g1), g1),
         d.mul_add(mean, g2),
     ]
 }
