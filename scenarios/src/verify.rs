@@ -99,15 +99,20 @@ pub struct Problem {
     rows: fn() -> Vec<Row>,
 }
 
-pub const PROBLEMS: [Problem; 4] = [
+pub const PROBLEMS: [Problem; 5] = [
     Problem {
         name: "orbits",
-        about: "energy of the outer Solar System by the Jacobi map and by Gauss-Radau over 1e6 orbits of Jupiter; e = 0.999999 through 1000 pericentres; @ORB@",
+        about: "energy of the outer Solar System by the corrected Jacobi map over 1e6 yr; e = 0.999999 through 1000 pericentres; about 1 minute",
         rows: orbits::rows,
     },
     Problem {
+        name: "random-walk",
+        about: "energy of Jupiter and Saturn by Gauss-Radau over 1e6 orbits, 2 systems; about 8 minutes of each of two cores",
+        rows: orbits::walk,
+    },
+    Problem {
         name: "secular-frequencies",
-        about: "frequencies of the apsides and nodes of the outer Solar System from 5 Myr; @SEC@",
+        about: "frequencies of the apsides and nodes of the outer Solar System from 5 Myr; about 20 seconds",
         rows: secular::rows,
     },
     Problem {
