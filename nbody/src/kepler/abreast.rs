@@ -103,7 +103,8 @@ impl<V> Orbits<V> {
         let mut s = guess;
         let mut evaluations = 0;
         loop {
-            let g = series(simd, beta, s);
+            let here = series(simd, beta, s);
+            let g = here.g;
             let d1 = mu.mul_add(g[2], eta.mul_add(g[1], r0 * g[0]));
             let inverse = one / d1;
             let miss = mu.mul_add(
@@ -121,30 +122,37 @@ impl<V> Orbits<V> {
             let found = small & narrow & below(beta * s * s, 1.5);
             evaluations += 1;
             if evaluations == EVALUATIONS || (found | !narrow).all_true() {
-                return (shifted(beta, g, step), found);
+                return (shifted(simd, beta, &here, step), found);
             }
             s = found.select(s, s + step);
         }
     }
 }
 
-/// G0, G1, G2 moved by a small step: Taylor's series to fourth order.
+/// G0..G3 at some s, and G1, G2 as large parts less fine ones.
+struct Universal<V> {
+    g: [V; 4],
+    large: [V; 2],
+    fine: [V; 2],
+}
+
+/// G0, G1, G2 moved by a small step: Taylor's series to fourth order, added to the fine parts as in the scalar drift.
 #[inline(always)]
-fn shifted<S: Simd, V: Wide<S>>(beta: V, [g0, g1, g2, _]: [V; 4], d: V) -> [V; 3] {
+fn shifted<S: Simd, V: Wide<S>>(simd: S, beta: V, from: &Universal<V>, d: V) -> [V; 3] {
+    let [g0, g1, ..] = from.g;
     let (b, h, t) = (beta * d, d * 0.5, d * (1.0 / 3.0));
     let quarter = b * 0.25;
     let (m0, m1) = (g0 - quarter * g1, (d * 0.25).mul_add(g0, g1));
     let mean = h.mul_add(g0 - t * (beta * m1), g1);
-    [
-        g0 - b * mean,
-        d.mul_add(g0, g1) - b * h * t.mul_add(m0, g1),
-        d.mul_add(mean, g2),
-    ]
+    let slope = g0 - b * 0.5 * t.mul_add(m0, g1);
+    let g2 = from.large[1] - (from.fine[1] - d * mean);
+    let g1 = from.large[0] - (from.fine[0] - d * slope);
+    [V::splat(simd, 1.0) - beta * g2, g1, g2]
 }
 
 /// G0..G3: G_k(s) = s^k c_k(beta s^2), c_k Stumpff's functions, by their series.
 #[inline(always)]
-fn series<S: Simd, V: Wide<S>>(simd: S, beta: V, s: V) -> [V; 4] {
+fn series<S: Simd, V: Wide<S>>(simd: S, beta: V, s: V) -> Universal<V> {
     let s2 = s * s;
     let z = beta * s2;
     let minus = -z;
@@ -155,12 +163,18 @@ fn series<S: Simd, V: Wide<S>>(simd: S, beta: V, s: V) -> [V; 4] {
         p3 = minus.mul_add(p3, V::splat(simd, SERIES[2 * n + 1]));
     }
     let [high, low] = SIXTH;
-    let fourth = minus * p2 * 0.25;
+    let fourth = z * p2 * 0.25;
     let fourth = fourth.mul_add(V::splat(simd, high), fourth * low);
-    let g2 = s2 * (fourth + 0.5);
     let sixfold = s * s2 * minus.mul_add(p3, V::splat(simd, 1.0));
     let g3 = sixfold.mul_add(V::splat(simd, high), sixfold * low);
-    [V::splat(simd, 1.0) - beta * g2, s - beta * g3, g2, g3]
+    let large = [s, s2 * 0.5];
+    let fine = [beta * g3, s2 * fourth];
+    let [g1, g2] = [large[0] - fine[0], large[1] - fine[1]];
+    Universal {
+        g: [V::splat(simd, 1.0) - beta * g2, g1, g2, g3],
+        large,
+        fine,
+    }
 }
 
 /// Moves bodies by `dt` along their orbits about one mass at the origin with G times mass `mu` >= 0; tells the first that cannot be moved.

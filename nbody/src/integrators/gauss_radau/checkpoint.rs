@@ -1,6 +1,7 @@
 //! The integrator's state as plain numbers, so that a restart goes on bit for bit.
 
 use super::GaussRadau;
+use super::series::LANES;
 use crate::points::Vec3;
 
 /// Numbers of a checkpoint before those of the bodies.
@@ -20,7 +21,7 @@ impl GaussRadau {
         ];
         let mut state = vec![self.x.len() as f64];
         state.extend(head);
-        for c in 0..self.b_last.len() {
+        for c in 0..self.x_lost.len() {
             let (i, axis) = (c / 3, c % 3);
             state.extend([
                 self.x[i][axis],
@@ -28,8 +29,9 @@ impl GaussRadau {
                 self.x_lost[c],
                 self.v_lost[c],
             ]);
-            state.extend(self.b_last[c]);
-            state.extend(self.e_last[c]);
+            let (series, l) = (&self.series[c / LANES], c % LANES);
+            state.extend(series.b_last.map(|b| b[l]));
+            state.extend(series.e_last.map(|e| e[l]));
         }
         state
     }
@@ -55,8 +57,11 @@ impl GaussRadau {
             whole.v[i][axis] = numbers[1];
             whole.x_lost[c] = numbers[2];
             whole.v_lost[c] = numbers[3];
-            whole.b_last[c].copy_from_slice(&numbers[4..11]);
-            whole.e_last[c].copy_from_slice(&numbers[11..18]);
+            let (series, l) = (&mut whole.series[c / LANES], c % LANES);
+            for k in 0..7 {
+                series.b_last[k][l] = numbers[4 + k];
+                series.e_last[k][l] = numbers[11 + k];
+            }
         }
         Some(whole)
     }
