@@ -4,7 +4,7 @@
 //! larger cut-off, bend = (Omega dt)^2 at the nearer body's distance from the star. Pairs without mass do not count. Few bodies
 //! are searched by all pairs, many by a tree with boxes of positions and velocities. Pairs come sorted, the smaller place first.
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use rayon::prelude::*;
 
 use crate::encounters::paths::{Approach, Paths};
@@ -137,7 +137,7 @@ impl Neighbours {
         }
         let (columns, pairs) = (&self.columns, &mut self.pairs);
         let level = Level::new();
-        dispatch!(level, simd => {
+        crate::widest!(level, simd => {
             use fearless_simd::Simd;
             simd.vectorize(
                 #[inline(always)]

@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 
 use super::changeover::soft_part;
 use super::{Hybrid, typical};
@@ -129,7 +129,7 @@ impl Soft {
         let (columns, sums) = (&self.columns, &mut self.sums);
         let softened = columns[5].iter().any(|&eps2| eps2 != 0.0);
         let level = Level::new();
-        dispatch!(level, simd => {
+        crate::widest!(level, simd => {
             use fearless_simd::Simd;
             simd.vectorize(
                 #[inline(always)]

@@ -9,7 +9,7 @@
 
 mod checkpoint;
 
-use fearless_simd::{Select, Simd, SimdMask, dispatch, f64x4, f64x8};
+use fearless_simd::{Select, Simd, SimdMask, f64x4, f64x8};
 
 use super::super::Stuck;
 use super::chain::{Chain, Columns, Forces, outwards, zeros};
@@ -96,10 +96,10 @@ impl Jacobi {
         // Rounding of the clock makes no other map.
         if (self.step - dt).abs() > 1e-12 * dt.abs() {
             self.settle()?;
-            dispatch!(*LEVEL, simd => self.correct(simd, dt, 1.0))?;
+            crate::widest!(*LEVEL, simd => self.correct(simd, dt, 1.0))?;
         }
         self.step = dt;
-        dispatch!(*LEVEL, simd => self.steps(simd, dt, n))?;
+        crate::widest!(*LEVEL, simd => self.steps(simd, dt, n))?;
         self.centre.2 += dt * n as f64;
         Ok(())
     }
@@ -108,7 +108,7 @@ impl Jacobi {
     fn settle(&mut self) -> Result<(), Stuck> {
         let step = std::mem::take(&mut self.step);
         if step != 0.0 {
-            dispatch!(*LEVEL, simd => self.correct(simd, step, -1.0))?;
+            crate::widest!(*LEVEL, simd => self.correct(simd, step, -1.0))?;
         }
         Ok(())
     }

@@ -58,7 +58,7 @@ fn most_lanes_are_usual_at_the_steps_of_a_map() {
             // An eighth of the time 1/Omega at the body's distance.
             let dt = dt * x.norm().powf(1.5);
             let simd = fearless_simd::Level::baseline();
-            dispatch!(simd, simd => {
+            crate::widest!(simd, simd => {
                 let lanes = |s: &Vec3| [0, 1, 2].map(|k| f64x4::splat(simd, s[k]));
                 let change = change(simd, f64x4::splat(simd, 1.0), dt, lanes(x), lanes(v));
                 usual += u32::from(change.usual.all_true());

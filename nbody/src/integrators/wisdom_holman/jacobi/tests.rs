@@ -133,7 +133,7 @@ fn the_accelerations_are_the_jacobi_form_of_the_direct_sum() {
     let (star, mut bodies) = barycentric();
     bodies.softening = vec![0.5, 0.0, 1.0, 2.0];
     let mut map = Jacobi::of(Scheme::default(), GAUSS, &star, &bodies);
-    dispatch!(*LEVEL, simd => {
+    crate::widest!(*LEVEL, simd => {
         map.chain.accelerations::<_, f64x4<_>>(simd, &map.state.x, &mut map.forces);
     });
     // Direct accelerations of everybody, in Jacobi coordinates, less the Kepler part.
