@@ -79,21 +79,21 @@ fn series() -> Option<[[Series; 4]; 2]> {
     let mut map = Jacobi::of(Scheme::default(), G, &star, &planets);
     let steps = (INTERVAL * YEAR / STEP).round() as u64;
     let looks = (SPAN / INTERVAL) as usize;
-    let mut series: [[Series; 4]; 2] = Default::default();
+    let [mut apsides, mut nodes]: [[Series; 4]; 2] = Default::default();
     for _ in 0..looks {
-        for i in 0..4 {
+        for (i, (apsis, node)) in apsides.iter_mut().zip(&mut nodes).enumerate() {
             let x = plane * (planets.x[i] - star.x[0]);
             let v = plane * (planets.v[i] - star.v[0]);
             let orbit = Elements::of(G * (star.m[0] + planets.m[i]), x, v)?;
             let pericentre = orbit.node + orbit.pericentre;
-            series[0][i].push(Complex::from_polar(orbit.eccentricity, pericentre));
+            apsis.push(Complex::from_polar(orbit.eccentricity, pericentre));
             let tilt = (0.5 * orbit.inclination).sin();
-            series[1][i].push(Complex::from_polar(tilt, orbit.node));
+            node.push(Complex::from_polar(tilt, orbit.node));
         }
         map.advance(STEP, steps).ok()?;
         map.store(&mut star, &mut planets).ok()?;
     }
-    Some(series)
+    Some([apsides, nodes])
 }
 
 /// Turns the angular momentum of all onto the z axis.
