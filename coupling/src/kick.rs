@@ -328,13 +328,47 @@ impl Operator for KickBodies {
     }
 }
 
+/// A base step may be longer than the bodies' by this part, as far as times between reports are rounded, and still be one step of theirs.
+const ROUNDING: f64 = 1e-9;
+
 /// The span in ticks of a bodies' step of at most `step`.
 pub(crate) fn span(next: &Clock, step: f64) -> Result<u32, Fault> {
-    next.span(step).ok_or(Fault::StepTooSmall {
-        population: nbody::points::Population::Planetesimals,
-        id: 0,
-        step,
-        shortest: next.unit(),
-        time: next.time(),
-    })
+    next.span(step * (1.0 + ROUNDING))
+        .ok_or(Fault::StepTooSmall {
+            population: nbody::points::Population::Planetesimals,
+            id: 0,
+            step,
+            shortest: next.unit(),
+            time: next.time(),
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use nbody::points::clock::TICKS;
+
+    use super::*;
+
+    /// Bodies' steps in a hundred base steps that end at multiples of `step`.
+    fn spans(step: f64) -> Vec<u32> {
+        let mut clock = Clock::standing(0.0);
+        (1..=100)
+            .map(|k| {
+                clock = clock.next_base(f64::from(k) * step, step);
+                let one = span(&clock, step).expect("a step of many ticks");
+                clock.tick = TICKS;
+                one
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_base_step_of_the_bodies_length_is_one_step_of_theirs_however_it_is_rounded() {
+        let step = 0.01 * std::f64::consts::TAU;
+        assert_eq!(spans(step), [TICKS; 100]);
+        assert_eq!(
+            span(&Clock::standing(0.0).next_base(1.0, 1.0), 0.4).expect("a step"),
+            TICKS / 4
+        );
+    }
 }
