@@ -8,7 +8,7 @@
 use fearless_simd::Level;
 use rayon::prelude::*;
 
-use crate::points::sort::{Cube, Curve};
+use crate::points::sort::{Cube, Curve, MANY};
 use crate::points::sum::{CHUNK, Parts};
 use crate::points::{Tree, Vec3};
 
@@ -165,6 +165,9 @@ impl Gravity {
         });
         self.take(x, m, softening);
         self.tree.build(&self.x, &self.curve.keys, LEAF);
+        if x.len() > MANY {
+            self.curve.keys = Vec::new();
+        }
         self.group();
         self.weigh();
     }

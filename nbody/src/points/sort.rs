@@ -86,6 +86,8 @@ const REST: u32 = 3 * BITS - PASSES * DIGIT;
 const SHARE: usize = 1 << 15;
 /// Fewer than this many pairs are compared.
 const FEW: usize = 1 << 11;
+/// More pairs than this are worth more as free memory than the time that it takes to get it again.
+pub const MANY: usize = 1 << 18;
 
 impl Curve {
     /// Orders `x` along the Morton curve of `cube`; points of one cell keep their order.
@@ -110,6 +112,9 @@ impl Curve {
         let pairs = self.pairs.par_iter().with_min_len(CHUNK);
         pairs.clone().map(|p| p.0).collect_into_vec(&mut self.keys);
         pairs.map(|p| p.1).collect_into_vec(&mut self.order);
+        if self.pairs.len() > MANY {
+            (self.pairs, self.spare) = (Vec::new(), Vec::new());
+        }
     }
 
     /// Sorts the pairs by the digit above the lowest `shift` bits and leaves those alike in their order, a counting sort.
