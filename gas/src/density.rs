@@ -8,36 +8,47 @@
 //! Sources: Springel & Hernquist (2002); Hopkins (2013), eq. 12 for the number-density constraint;
 //! Dehnen & Aly (2012) for e.
 
-use std::cell::RefCell;
 use std::ops::Range;
 
-use fearless_simd::{Level, Select, Simd, SimdBase, dispatch, f64x8};
+use fearless_simd::{Level, Simd, SimdBase};
 use nbody::points::sum::{CHUNK, Parts};
-use nbody::points::{Clock, Fault, Population, Tree, Vec3};
+use nbody::points::{Clock, Fault, Population, Vec3};
 use rayon::prelude::*;
 
-use crate::kernel::unit_sphere;
-use crate::neighbours::{Candidates, LANES, Lanes, List, Search, bounding, total};
+use crate::lanes::{Job, Lanes, Machine, Quad, Real, load, same};
+use crate::neighbours::{Frame, Packed, Region, Search};
+use crate::units::Units;
 use crate::viscosity::Flow;
-use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, WendlandC2};
+use crate::workspace::Element;
+use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, Precision, WendlandC2};
+
+mod law;
+mod sums;
+
+use law::{Law, Trial};
+use sums::{Local, Own, QUADS, Sums};
 
 /// How much farther than the predicted support a search goes, so that the solution lies inside.
 const SLACK: f64 = 1.04;
-
-/// A distance that no two particles apart have; keeps coincident ones from dividing by zero.
-const TINY: f64 = 1e-150;
-
-/// The solver for H gives up after this many evaluations.
-const TRIES: usize = 100;
 
 impl Gas {
     /// Renews what follows from the state: for active particles h and all of `derived`; for the others, which are predicted, pressure and
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         self.thermal_state(hydro, centre);
-        match hydro.kernel {
-            KernelKind::CubicSpline => self.density_with::<CubicSpline>(hydro, clock),
-            KernelKind::WendlandC2 => self.density_with::<WendlandC2>(hydro, clock),
+        match (hydro.kernel, hydro.precision) {
+            (KernelKind::CubicSpline, Precision::Single) => {
+                self.density_with::<CubicSpline, f32>(hydro, clock)
+            }
+            (KernelKind::CubicSpline, Precision::Double) => {
+                self.density_with::<CubicSpline, f64>(hydro, clock)
+            }
+            (KernelKind::WendlandC2, Precision::Single) => {
+                self.density_with::<WendlandC2, f32>(hydro, clock)
+            }
+            (KernelKind::WendlandC2, Precision::Double) => {
+                self.density_with::<WendlandC2, f64>(hydro, clock)
+            }
         }
     }
 
@@ -57,8 +68,28 @@ impl Gas {
             });
     }
 
-    fn density_with<K: Kernel>(&mut self, hydro: &Hydro, clock: &Clock) -> Result<usize, Fault> {
+    fn density_with<K: Kernel, E: Element>(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+    ) -> Result<usize, Fault> {
+        if self.is_empty() {
+            return Ok(0);
+        }
+        let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived) = (&mut self.particles, &mut self.derived);
+        let (h, m, v) = (&particles.h, &particles.m, &self.rates.v_pred);
+        let units = Units::new(hydro, h, m, v, &derived.cs);
+        let frame = Frame {
+            tree: &self.tree,
+            domain: &hydro.domain,
+            x: &particles.x,
+            units,
+        };
+        let (span, cs) = (&particles.span, &derived.cs);
+        packed.fill::<QUADS>(&frame, |i, _| {
+            (0.0, source(&units, m[i], v[i], cs[i], span[i]))
+        });
         let out = Out {
             h: Parts::new(&mut particles.h),
             alpha: Parts::new(&mut particles.alpha),
@@ -70,35 +101,29 @@ impl Gas {
             v_sig: Parts::new(&mut derived.v_sig),
             near_span: Parts::new(&mut derived.near_span),
         };
-        let root = self.tree.nodes.first();
-        let extent = root.map_or(0.0, |root| hydro.domain.in_plane(root.hi - root.lo).norm());
+        let root = &self.tree.nodes[0];
+        let extent = hydro.domain.in_plane(root.hi - root.lo).norm();
         let sweep = Sweep {
             hydro,
             clock,
-            tree: &self.tree,
-            x: &particles.x,
-            m: &particles.m,
+            frame,
+            packed: &packed,
             end: &particles.end,
-            span: &particles.span,
+            m: &particles.m,
             cs: &derived.cs,
-            v: &self.rates.v_pred,
             u: &self.rates.u_pred,
-            largest: hydro.largest_reach(extent),
+            largest: hydro.largest_reach(extent) / units.length,
             law: Law::new::<K>(hydro),
-            level: Level::new(),
+            out,
         };
-        let tally = (self.tree.leaves.par_iter())
-            .map(|&leaf| {
-                let range = self.tree.nodes[leaf as usize].range();
-                BUFFERS.with_borrow_mut(|buffers| sweep.leaf::<K>(range, buffers, &out))
-            })
-            .reduce(Tally::default, Tally::and);
+        let tally = sweep.run::<K>();
+        *E::packed(&mut self.packed) = packed;
         match tally.failed {
             None => Ok(tally.targets),
             Some((i, reach)) => Err(Fault::DensityNotConverged {
                 population: Population::Gas,
-                id: particles.id[i],
-                smoothing_length: reach / hydro.support(),
+                id: self.particles.id[i],
+                smoothing_length: reach * units.length / hydro.support(),
                 time: clock.time(),
             }),
         }
@@ -125,21 +150,27 @@ impl Tally {
     }
 }
 
-#[derive(Default)]
-struct Buffers {
-    candidates: Candidates,
-    list: List,
-    r: Vec<Lanes>,
-    pending: Vec<Target>,
-}
-
-thread_local! {
-    static BUFFERS: RefCell<Buffers> = RefCell::default();
+/// What a particle brings into the sums.
+#[inline(always)]
+fn source<E: Real>(units: &Units, m: f64, v: Vec3, cs: f64, span: u32) -> [Quad<E>; QUADS] {
+    let zero = E::default();
+    let v = v.map(|v| E::place(v / units.velocity_step));
+    // Before the first step there is none that could limit others.
+    let span = if span == 0 {
+        f64::INFINITY
+    } else {
+        f64::from(span)
+    };
+    [
+        Quad([zero, zero, zero, E::from_f64(m / units.mass)]),
+        Quad([v.x, v.y, v.z, E::from_f64(cs / units.velocity)]),
+        Quad([E::from_f64(span), zero, zero, zero]),
+    ]
 }
 
 /// A particle whose H is sought within `radius`, beginning at `start`.
-#[derive(Clone, Copy)]
-struct Target {
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
     i: usize,
     start: f64,
     radius: f64,
@@ -147,22 +178,11 @@ struct Target {
 
 /// What became of a target.
 enum Outcome {
-    Done(Local),
+    Done { local: Local, reach: f64 },
     /// H is larger; to be tried again within this radius.
     Wider(f64),
     /// There is none; last try.
     Failed(f64),
-}
-
-/// The sums over the neighbours of a particle.
-struct Local {
-    h: f64,
-    rho: f64,
-    grad_h: f64,
-    div_v: f64,
-    curl_v: f64,
-    v_sig: f64,
-    near_span: u32,
 }
 
 /// The columns that the sweep writes.
@@ -178,48 +198,51 @@ struct Out<'a> {
     near_span: Parts<'a, u32>,
 }
 
-struct Sweep<'a> {
+/// All that the leaves share; lengths, velocities and masses in the units of the frame.
+struct Sweep<'a, E> {
     hydro: &'a Hydro,
     clock: &'a Clock,
-    tree: &'a Tree,
-    x: &'a [Vec3],
-    m: &'a [f64],
+    frame: Frame<'a>,
+    packed: &'a Packed<E>,
     end: &'a [u32],
-    span: &'a [u32],
+    m: &'a [f64],
     cs: &'a [f64],
-    v: &'a [Vec3],
     u: &'a [f64],
     /// The largest H.
     largest: f64,
     law: Law,
-    level: Level,
+    out: Out<'a>,
 }
 
-impl Sweep<'_> {
-    fn leaf<K: Kernel>(&self, range: Range<usize>, buffers: &mut Buffers, out: &Out) -> Tally {
-        let mut tally = Tally::default();
-        let mut pending = std::mem::take(&mut buffers.pending);
-        pending.clear();
-        for i in range.clone() {
-            if self.clock.synchronous() || self.end[i] == self.clock.tick {
-                pending.push(self.target(i, &range, out));
-            }
-        }
-        tally.targets = pending.len();
+/// The sweep over one leaf.
+struct Leaf<'a, E, K> {
+    sweep: &'a Sweep<'a, E>,
+    leaf: usize,
+    region: &'a mut Region<E>,
+    pending: &'a mut Vec<Target>,
+    kernel: std::marker::PhantomData<K>,
+}
+
+impl<E: Element, K: Kernel> Job<E> for Leaf<'_, E, K> {
+    type Output = Tally;
+
+    #[inline(always)]
+    fn run<S: Simd, R: Machine<S, E>>(self, simd: S) -> Tally {
+        let Self {
+            sweep,
+            leaf,
+            region,
+            pending,
+            ..
+        } = self;
+        let mut tally = sweep.targets(leaf, pending);
         while !pending.is_empty() {
-            let search = Search {
-                tree: self.tree,
-                domain: &self.hydro.domain,
-                x: self.x,
-                reach: pending.iter().fold(0.0, |reach, t| reach.max(t.radius)),
-                extent: &[],
-            };
-            let span = bounding(pending.iter().map(|t| self.x[t.i]));
-            buffers.candidates.gather(&search, span, |_| 0.0);
-            pending.retain_mut(|target| {
-                match dispatch!(self.level, simd => self.solve::<K, _>(simd, target, buffers)) {
-                    Outcome::Done(local) => {
-                        self.write(target.i, &local, out);
+            sweep.gather(simd, leaf, region, pending);
+            pending.retain_mut(
+                #[inline(always)]
+                |target| match sweep.solve::<K, S, R>(simd, target, region) {
+                    Outcome::Done { local, reach } => {
+                        sweep.write(target.i, &local, reach);
                         false
                     }
                     Outcome::Wider(radius) => {
@@ -231,24 +254,59 @@ impl Sweep<'_> {
                         tally = tally.and(Tally { targets: 0, failed });
                         false
                     }
-                }
-            });
+                },
+            );
         }
-        buffers.pending = pending;
         tally
+    }
+}
+
+impl<E: Element> Sweep<'_, E> {
+    fn run<K: Kernel>(&self) -> Tally {
+        let level = Level::new();
+        let leaves = self.frame.tree.leaves.par_iter();
+        let tallies = leaves.map(|&leaf| {
+            E::with_workspace(|space| {
+                let leaf = Leaf::<E, K> {
+                    sweep: self,
+                    leaf: leaf as usize,
+                    region: &mut space.region,
+                    pending: &mut space.pending,
+                    kernel: std::marker::PhantomData,
+                };
+                E::run(level, leaf)
+            })
+        });
+        tallies.reduce(Tally::default, Tally::and)
+    }
+
+    /// Fills `pending` with the active particles of a leaf.
+    fn targets(&self, leaf: usize, pending: &mut Vec<Target>) -> Tally {
+        let range = self.frame.tree.nodes[leaf].range();
+        pending.clear();
+        for i in range.clone() {
+            if self.clock.synchronous() || self.end[i] == self.clock.tick {
+                pending.push(self.target(i, leaf, &range));
+            }
+        }
+        Tally {
+            targets: pending.len(),
+            failed: None,
+        }
     }
 
     /// Where to begin: at the predicted h, else at the density of the leaf.
-    fn target(&self, i: usize, leaf: &Range<usize>, out: &Out) -> Target {
+    fn target(&self, i: usize, leaf: usize, range: &Range<usize>) -> Target {
         // SAFETY: a leaf's task alone touches the leaf's particles.
-        let h = unsafe { out.h.part(i..i + 1) }[0];
+        let h = unsafe { self.out.h.part(i..i + 1) }[0];
+        let unit = self.frame.units.length;
         let start = if h > 0.0 {
-            h * self.hydro.support()
+            h * self.hydro.support() / unit
         } else {
-            let (lo, hi) = bounding(self.x[leaf.clone()].iter().copied());
-            let side = self.hydro.domain.in_plane(hi - lo).norm();
-            let density = leaf.len() as f64 / side.powi(self.hydro.dimensions() as i32);
-            self.hydro.reach_at(density)
+            let node = &self.frame.tree.nodes[leaf];
+            let side = self.hydro.domain.in_plane(node.hi - node.lo).norm();
+            let density = range.len() as f64 / side.powi(self.hydro.dimensions() as i32);
+            self.hydro.reach_at(density) / unit
         };
         // A single point has no density.
         let start = if start == 0.0 { self.largest } else { start }.min(self.largest);
@@ -257,35 +315,59 @@ impl Sweep<'_> {
     }
 
     #[inline(always)]
-    fn solve<K: Kernel, S: Simd>(
+    fn gather<S: Simd>(
+        &self,
+        simd: S,
+        leaf: usize,
+        region: &mut Region<E>,
+        pending: &[Target],
+    ) {
+        let mut span = [[E::from_f64(f64::INFINITY); 3], [E::from_f64(f64::NEG_INFINITY); 3]];
+        let mut reach: f64 = 0.0;
+        for target in pending {
+            reach = reach.max(target.radius);
+            for (a, x) in self.packed.place(target.i).into_iter().enumerate() {
+                span[0][a] = if x < span[0][a] { x } else { span[0][a] };
+                span[1][a] = if x > span[1][a] { x } else { span[1][a] };
+            }
+        }
+        let search = Search {
+            frame: &self.frame,
+            packed: self.packed,
+            leaf,
+            span,
+            reach,
+            extent: &[],
+            active: false,
+        };
+        region.gather(simd, &search);
+        region.fetch::<QUADS>(self.packed, [Quad::default(); QUADS]);
+    }
+
+    #[inline(always)]
+    fn solve<K: Kernel, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         target: &mut Target,
-        buffers: &mut Buffers,
+        region: &mut Region<E>,
     ) -> Outcome {
-        let Buffers {
-            candidates,
-            list,
-            r,
-            ..
-        } = buffers;
-        let place = candidates.place(self.x[target.i]);
-        // A hair more, so that what lies on the radius counts when H does.
-        let limit = target.radius * target.radius * (1.0 + 1e-14);
-        candidates.list(simd, place, (limit, &[]), list);
-        r.clear();
-        r.extend(list.r2().iter().map(|r2| r2.map(f64::sqrt)));
-        match self.law.solve::<K, S>(simd, r, target.start, target.radius) {
-            Trial::Found(reach) => {
-                Outcome::Done(self.sums::<K, S>(simd, target.i, (reach, true), buffers))
-            }
+        let place = self.packed.place(target.i);
+        region.list::<S, false>(simd, place, target.radius * target.radius, false);
+        let tiny = same::<S, E>(simd, E::TINY);
+        for r in region.r2(simd).chunks_exact_mut(Lanes::<S, E>::LEN) {
+            let r2 = load(simd, r, 0);
+            (r2 * R::inverse_root(simd, r2.max(tiny))).store_slice(r);
+        }
+        let r = region.r2(simd);
+        match (self.law).solve::<K, S, E, R>(simd, r, target.start, target.radius) {
+            Trial::Found(reach) => self.sums::<K, S, R>(simd, target.i, (reach, true), region),
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
                 let growth = (self.law.wanted / number).powf(1.0 / self.law.d);
                 target.start = target.radius;
                 Outcome::Wider((target.radius * (SLACK * growth).clamp(1.1, 1.6)).min(self.largest))
             }
             Trial::Short(number) if number > 0.0 => {
-                Outcome::Done(self.sums::<K, S>(simd, target.i, (self.largest, false), buffers))
+                self.sums::<K, S, R>(simd, target.i, (self.largest, false), region)
             }
             Trial::Short(_) => Outcome::Failed(target.radius),
             Trial::Failed(reach) => Outcome::Failed(reach),
@@ -294,246 +376,57 @@ impl Sweep<'_> {
 
     /// The sums over the listed neighbours of particle i at support H = `reach`; `free` says whether H follows the particles.
     #[inline(always)]
-    fn sums<K: Kernel, S: Simd>(
+    fn sums<K: Kernel, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         i: usize,
         (reach, free): (f64, bool),
-        buffers: &Buffers,
-    ) -> Local {
-        let place = buffers.candidates.place(self.x[i]);
-        let (inverse, cs) = (1.0 / reach, self.cs[i]);
+        region: &mut Region<E>,
+    ) -> Outcome {
+        let units = &self.frame.units;
+        let own = Own {
+            row: self.packed.row(i),
+            place: self.packed.place(i),
+            reach,
+            velocity_step: units.velocity_step / units.velocity,
+        };
         let mut sums = Sums::new(simd);
-        for (numbers, r) in buffers.list.numbers().iter().zip(&buffers.r) {
-            let block = self.block(i, place, numbers, &buffers.candidates);
-            let lanes = |lanes: Lanes| f64x8::from_slice(simd, &lanes);
-            let (d, dv, r) = (block.d.map(lanes), block.dv.map(lanes), lanes(*r));
-            let q = (r * inverse).min(1.0);
-            let (m, slope) = (lanes(block.m), K::slope(q));
-            let approach = dv[0] * d[0] + dv[1] * d[1] + dv[2] * d[2];
-            let fall = q * q * slope;
-            sums.mass += m * K::value(q);
-            sums.slope -= fall;
-            sums.mass_slope -= m * fall;
-            sums.div += slope * approach;
-            sums.mass_div += m * slope * approach;
-            for a in 0..3 {
-                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                let turn = slope * (dv[b] * d[c] - dv[c] * d[b]);
-                sums.curl[a] += turn;
-                sums.mass_curl[a] += m * turn;
-            }
-            let inside = q.simd_lt(1.0);
-            let speed = lanes(block.cs) + cs - approach.min(0.0) * 3.0 / r.max(TINY);
-            sums.v_sig = sums
-                .v_sig
-                .max(inside.select(speed, f64x8::splat(simd, 0.0)));
-            let far = f64x8::splat(simd, f64::INFINITY);
-            sums.near_span = sums.near_span.min(inside.select(lanes(block.span), far));
-        }
-        self.local(i, (reach, free), &sums)
-    }
-
-    #[inline(always)]
-    fn block(
-        &self,
-        i: usize,
-        place: [f64; 3],
-        numbers: &[u32; LANES],
-        candidates: &Candidates,
-    ) -> Block {
-        let mut block = Block::default();
-        let v = self.v[i];
-        for (l, &k) in numbers.iter().enumerate() {
-            let k = k as usize;
-            let j = candidates.index[k] as usize;
-            let (v_j, d) = (
-                self.v[j],
-                [candidates.x[k], candidates.y[k], candidates.z[k]],
+        for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
+            let columns = [0, 1, 2].map(
+                #[inline(always)]
+                |part| region.quad::<S, R>(simd, part, first),
             );
-            for a in 0..3 {
-                block.d[a][l] = d[a] - place[a];
-                block.dv[a][l] = v_j[a] - v[a];
-            }
-            block.m[l] = self.m[j];
-            block.cs[l] = self.cs[j];
-            // Its own step does not limit a particle, nor do those before the first.
-            let span = self.span[j];
-            block.span[l] = if j == i || span == 0 {
-                f64::INFINITY
-            } else {
-                f64::from(span)
-            };
+            let r = load(simd, region.r2(simd), first);
+            sums.add::<K, R>(simd, &own, columns, r);
         }
-        block
+        let local = sums.local::<R>(&self.law, self.m[i] / units.mass, reach, free);
+        Outcome::Done { local, reach }
     }
 
-    fn local(&self, i: usize, (reach, free): (f64, bool), sum: &Sums<impl Simd>) -> Local {
-        let total = |lanes: f64x8<_>| total(lanes.into());
-        let d = self.law.d;
-        let mass = total(sum.mass) - self.law.excess * self.m[i];
-        let g = if free {
-            (total(sum.mass_slope) - d * mass) / total(sum.slope)
-        } else {
-            0.0
-        };
-        let volume = reach.powi(self.hydro.dimensions() as i32);
-        let rho = self.law.norm / volume * mass;
-        let scale = self.law.norm / (volume * reach * reach * rho);
-        let curl = |a: usize| total(sum.mass_curl[a]) - g * total(sum.curl[a]);
-        Local {
-            h: reach / self.hydro.support(),
-            rho,
-            grad_h: g / self.m[i],
-            div_v: -scale * (total(sum.mass_div) - g * total(sum.div)),
-            curl_v: scale * Vec3::from_fn(|a, _| curl(a)).norm(),
-            v_sig: Lanes::from(sum.v_sig).into_iter().fold(0.0, f64::max),
-            // Infinite without neighbours: the cast saturates.
-            near_span: Lanes::from(sum.near_span)
-                .into_iter()
-                .fold(f64::INFINITY, f64::min) as u32,
-        }
-    }
-
-    fn write(&self, i: usize, local: &Local, out: &Out) {
+    fn write(&self, i: usize, local: &Local, reach: f64) {
+        let units = &self.frame.units;
+        let rate = units.velocity / units.length;
+        let rho = local.rho * units.mass / units.length.powi(self.hydro.dimensions() as i32);
         let flow = Flow {
-            div_v: local.div_v,
-            curl_v: local.curl_v,
+            div_v: local.div_v * rate,
+            curl_v: local.curl_v * rate,
             cs: self.cs[i],
-            h: local.h,
+            h: reach * units.length / self.hydro.support(),
         };
-        let own = i..i + 1;
+        let (own, out) = (i..i + 1, &self.out);
         // SAFETY: a leaf's task alone touches the leaf's particles.
         unsafe {
-            out.h.part(own.clone())[0] = local.h;
+            out.h.part(own.clone())[0] = flow.h;
             out.alpha.part(own.clone())[0] = self.hydro.viscosity.alpha(flow);
-            out.rho.part(own.clone())[0] = local.rho;
-            out.p.part(own.clone())[0] = self.hydro.eos.pressure(local.rho, self.u[i]);
-            out.grad_h.part(own.clone())[0] = local.grad_h;
-            out.div_v.part(own.clone())[0] = local.div_v;
-            out.curl_v.part(own.clone())[0] = local.curl_v;
-            out.v_sig.part(own.clone())[0] = local.v_sig;
-            out.near_span.part(own)[0] = local.near_span;
+            out.rho.part(own.clone())[0] = rho;
+            out.p.part(own.clone())[0] = self.hydro.eos.pressure(rho, self.u[i]);
+            out.grad_h.part(own.clone())[0] = local.g * units.mass / self.m[i];
+            out.div_v.part(own.clone())[0] = flow.div_v;
+            out.curl_v.part(own.clone())[0] = flow.curl_v;
+            out.v_sig.part(own.clone())[0] = local.v_sig * units.velocity;
+            // Infinite without neighbours: the cast saturates.
+            out.near_span.part(own)[0] = local.near_span as u32;
         }
-    }
-}
-
-/// Some neighbours: separations, relative velocities and what else a sum needs.
-#[derive(Default)]
-struct Block {
-    d: [Lanes; 3],
-    dv: [Lanes; 3],
-    m: Lanes,
-    cs: Lanes,
-    span: Lanes,
-}
-
-/// Sums over neighbours, without and with their masses.
-struct Sums<S: Simd> {
-    mass: f64x8<S>,
-    slope: f64x8<S>,
-    mass_slope: f64x8<S>,
-    div: f64x8<S>,
-    mass_div: f64x8<S>,
-    curl: [f64x8<S>; 3],
-    mass_curl: [f64x8<S>; 3],
-    v_sig: f64x8<S>,
-    near_span: f64x8<S>,
-}
-
-impl<S: Simd> Sums<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        let zero = f64x8::splat(simd, 0.0);
-        Self {
-            mass: zero,
-            slope: zero,
-            mass_slope: zero,
-            div: zero,
-            mass_div: zero,
-            curl: [zero; 3],
-            mass_curl: [zero; 3],
-            v_sig: zero,
-            near_span: f64x8::splat(simd, f64::INFINITY),
-        }
-    }
-}
-
-/// The condition on H.
-struct Law {
-    d: f64,
-    wanted: f64,
-    tolerance: f64,
-    /// Of the kernel.
-    norm: f64,
-    /// Neighbour number by the sum of kernel values.
-    weight: f64,
-    /// What the particle itself counts too much in its density, a mass.
-    excess: f64,
-}
-
-/// What became of the search for H within a radius.
-enum Trial {
-    Found(f64),
-    /// The radius holds this many neighbours, fewer than wanted.
-    Short(f64),
-    Failed(f64),
-}
-
-impl Law {
-    fn new<K: Kernel>(hydro: &Hydro) -> Self {
-        let d = hydro.dimensions();
-        let weight = unit_sphere(d) * K::norm(d);
-        assert!(
-            hydro.neighbours > weight * K::value(0.0),
-            "more neighbours than the particle itself"
-        );
-        Self {
-            d: d as f64,
-            wanted: hydro.neighbours,
-            tolerance: hydro.tolerance,
-            norm: K::norm(d),
-            weight,
-            excess: K::self_excess(hydro.neighbours, d) * K::value(0.0),
-        }
-    }
-
-    /// Newton's method in ln H for ln of the neighbour number, kept between bounds; the number grows with H.
-    #[inline(always)]
-    fn solve<K: Kernel, S: Simd>(&self, simd: S, r: &[Lanes], start: f64, radius: f64) -> Trial {
-        let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut reach = start.min(radius);
-        for _ in 0..TRIES {
-            let inverse = 1.0 / reach;
-            let zero = f64x8::splat(simd, 0.0);
-            let (mut value, mut slope) = (zero, zero);
-            for r in r {
-                let q = (f64x8::from_slice(simd, r) * inverse).min(1.0);
-                value += K::value(q);
-                slope -= q * q * K::slope(q);
-            }
-            let (value, slope) = (total(value.into()), total(slope.into()));
-            let number = self.weight * value;
-            let excess = (number / self.wanted).ln();
-            if excess >= 0.0 {
-                high = reach;
-            } else if reach >= radius {
-                return Trial::Short(number);
-            } else {
-                low = reach;
-            }
-            let step = -excess * value / slope;
-            if step.abs() <= self.tolerance || high - low <= self.tolerance * reach {
-                return Trial::Found(reach);
-            }
-            let next = reach * step.clamp(-0.5, 0.5).exp();
-            reach = if next > low && next < high {
-                next.min(radius)
-            } else {
-                0.5 * (low + high.min(radius))
-            };
-        }
-        Trial::Failed(reach)
     }
 }
 

@@ -7,16 +7,20 @@
 //! shorter step of the two: its force counts where at least one member is active, and the impulse goes to both.
 //! Sources: Springel & Hernquist (2002); Hopkins (2013); pairwise steps: Saitoh & Makino (2009, 2010).
 
-use std::cell::RefCell;
-use std::ops::Range;
-
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat};
 use nbody::points::sum::Parts;
-use nbody::points::{Clock, Tree, Vec3};
+use nbody::points::{Clock, Vec3};
 use rayon::prelude::*;
 
-use crate::neighbours::{Candidates, FAR, LANES, Lanes, List, Search, bounding, total};
-use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, WendlandC2};
+use crate::lanes::{Double, Job, Lanes, Machine, Quad, Real, double_total, same};
+use crate::neighbours::{Frame, Packed, Region, Search};
+use crate::units::Units;
+use crate::workspace::Element;
+use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2};
+
+mod pair;
+
+use pair::{Flux, Member, QUADS, Separation};
 
 /// A tick that never comes.
 pub(crate) const NEVER: u32 = u32::MAX;
@@ -25,13 +29,32 @@ impl Gas {
     /// Forces of the pairs that have an active member: rates of the active particles, and the impulses that close the steps ending now and
     /// open those beginning now, in which `next` is the clock. Returns the number of particles that had such a pair.
     pub fn forces(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
-        match hydro.kernel {
-            KernelKind::CubicSpline => self.forces_with::<CubicSpline>(hydro, clock, next),
-            KernelKind::WendlandC2 => self.forces_with::<WendlandC2>(hydro, clock, next),
+        match (hydro.kernel, hydro.precision) {
+            (KernelKind::CubicSpline, Precision::Single) => {
+                self.forces_with::<CubicSpline, f32>(hydro, clock, next)
+            }
+            (KernelKind::CubicSpline, Precision::Double) => {
+                self.forces_with::<CubicSpline, f64>(hydro, clock, next)
+            }
+            (KernelKind::WendlandC2, Precision::Single) => {
+                self.forces_with::<WendlandC2, f32>(hydro, clock, next)
+            }
+            (KernelKind::WendlandC2, Precision::Double) => {
+                self.forces_with::<WendlandC2, f64>(hydro, clock, next)
+            }
         }
     }
 
-    fn forces_with<K: Kernel>(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
+    fn forces_with<K: Kernel, E: Element>(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+        next: &Clock,
+    ) -> usize {
+        if self.is_empty() {
+            return 0;
+        }
+        let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived, rates) = (&self.particles, &self.derived, &mut self.rates);
         let (support, h) = (hydro.support(), &particles.h);
         let active = |i: usize| clock.synchronous() || particles.end[i] == clock.tick;
@@ -39,52 +62,101 @@ impl Gas {
         let own = |i: usize| if active(i) { support * h[i] } else { -1.0 };
         self.tree.largest(own, &mut self.active_extent);
         self.wake.resize(particles.m.len(), NEVER);
-        let out = Out {
-            hydro: Parts::new(&mut rates.hydro),
-            du: Parts::new(&mut rates.du),
-            dv_close: Parts::new(&mut rates.dv_close),
-            dv_open: Parts::new(&mut rates.dv_open),
-            du_close: Parts::new(&mut rates.du_close),
-            du_open: Parts::new(&mut rates.du_open),
-            wake: Parts::new(&mut self.wake),
+        let units = Units::new(hydro, h, &particles.m, &rates.v_pred, &derived.cs);
+        let frame = Frame {
+            tree: &self.tree,
+            domain: &hydro.domain,
+            x: &particles.x,
+            units,
         };
         let d = hydro.dimensions();
-        let sweep = Sweep {
-            hydro,
+        let pack = Pack {
+            units,
             clock,
-            next,
-            tree: &self.tree,
             particles,
             derived,
             v: &rates.v_pred,
             next_span: &rates.next_span,
-            extent: [&self.extent, &self.active_extent],
             support,
-            norm: K::norm(d),
-            power: d as i32 + 2,
-            beta_ratio: hydro.viscosity.ratio(),
-            level: Level::new(),
+            push: K::norm(d),
+            power: d as i32,
         };
-        (self.tree.leaves.par_iter())
-            .map(|&leaf| {
-                let leaf = leaf as usize;
-                BUFFERS.with_borrow_mut(|buffers| sweep.leaf::<K>(leaf, buffers, &out))
-            })
-            .sum()
+        packed.fill::<QUADS>(&frame, |i, from_centre| pack.source(i, from_centre));
+        let sweep = Sweep {
+            clock,
+            next,
+            frame,
+            packed: &packed,
+            m: &particles.m,
+            end: &particles.end,
+            next_span: &rates.next_span,
+            extent: [&self.extent, &self.active_extent],
+            three: d == 3,
+            flux: Flux {
+                norm: K::norm(d),
+                beta_ratio: hydro.viscosity.ratio(),
+                h_by_reach: 1.0 / support,
+            },
+            out: Out {
+                hydro: Parts::new(&mut rates.hydro),
+                du: Parts::new(&mut rates.du),
+                dv_close: Parts::new(&mut rates.dv_close),
+                dv_open: Parts::new(&mut rates.dv_open),
+                du_close: Parts::new(&mut rates.du_close),
+                du_open: Parts::new(&mut rates.du_open),
+                wake: Parts::new(&mut self.wake),
+            },
+        };
+        let targets = sweep.run::<K>();
+        *E::packed(&mut self.packed) = packed;
+        targets
     }
 }
 
-#[derive(Default)]
-struct Buffers {
-    candidates: Candidates,
-    sources: Vec<Source>,
-    /// H^2 of the candidates.
-    reach2: Vec<f64>,
-    list: List,
+/// The columns from which particles are packed.
+struct Pack<'a> {
+    units: Units,
+    clock: &'a Clock,
+    particles: &'a Particles,
+    derived: &'a Derived,
+    v: &'a [Vec3],
+    next_span: &'a [u32],
+    support: f64,
+    /// Factor of the kernel's slope.
+    push: f64,
+    /// Dimensions.
+    power: i32,
 }
 
-thread_local! {
-    static BUFFERS: RefCell<Buffers> = RefCell::default();
+impl Pack<'_> {
+    /// Reach and row of particle i, which stands at `d` from the middle of its leaf.
+    #[inline(always)]
+    fn source<E: Real>(&self, i: usize, d: Vec3) -> (f64, [Quad<E>; QUADS]) {
+        let (p, derived, units) = (self.particles, self.derived, &self.units);
+        let real = E::from_f64;
+        let (m, reach) = (p.m[i] / units.mass, self.support * p.h[i] / units.length);
+        let rho = derived.rho[i] * (units.length.powi(self.power) / units.mass);
+        let specific = derived.p[i] / (derived.rho[i] * units.velocity * units.velocity);
+        let push = self.push / reach.powi(self.power + 2) * specific / rho;
+        let x = d.component_div(&units.step).map(E::place);
+        let v = self.v[i].map(|v| E::place(v / units.velocity_step));
+        let active = self.clock.synchronous() || p.end[i] == self.clock.tick;
+        let ticks = |n: u32| real(f64::from(n));
+        (
+            if active { reach } else { -reach },
+            [
+                Quad([x.x, x.y, x.z, real(m)]),
+                Quad([v.x, v.y, v.z, real(derived.grad_h[i] * m)]),
+                Quad([reach, push, rho, derived.cs[i] / units.velocity].map(real)),
+                Quad([
+                    real(p.alpha[i]),
+                    ticks(self.clock.tick - p.begin[i]),
+                    ticks(p.span[i]),
+                    ticks(self.next_span[i]),
+                ]),
+            ],
+        )
+    }
 }
 
 /// The columns that the sweep writes.
@@ -98,223 +170,165 @@ struct Out<'a> {
     wake: Parts<'a, u32>,
 }
 
-/// What a particle brings into a pair.
-#[derive(Clone, Copy, Debug)]
-struct Source {
-    v: [f64; 3],
-    m: f64,
-    g: f64,
-    h: f64,
-    /// H^2.
-    reach2: f64,
-    /// 1 / H.
-    inverse: f64,
-    /// Factor of the kernel's slope, norm / H^(d+2).
-    slope: f64,
-    /// P / rho^2 times `slope`.
-    push: f64,
-    rho: f64,
-    cs: f64,
-    alpha: f64,
-    /// Ticks since the present step began, its planned span, and the next one's.
-    age: f64,
-    span: f64,
-    next_span: f64,
-    active: bool,
-}
-
-/// Some neighbours: separations, relative velocities and what else a pair needs, as in [`Source`].
-#[derive(Default)]
-struct Block {
-    d: [Lanes; 3],
-    dv: [Lanes; 3],
-    m: Lanes,
-    g: Lanes,
-    h: Lanes,
-    inverse: Lanes,
-    slope: Lanes,
-    push: Lanes,
-    rho: Lanes,
-    cs: Lanes,
-    alpha: Lanes,
-    age: Lanes,
-    span: Lanes,
-    next_span: Lanes,
-    /// One where the pair has an active member, else zero.
-    acts: Lanes,
-}
-
 /// What a particle gets, times its mass: as a rate, closing and opening.
-#[derive(Default)]
-struct Sums {
-    force: [[Lanes; 3]; 3],
-    heat: [Lanes; 3],
+struct Sums<S: Simd, E: Real> {
+    /// In double precision, so that impulses of pairs cancel.
+    force: [[Double<S>; 3]; 3],
+    heat: [Lanes<S, E>; 3],
     /// The shortest next step of those that it meets, in ticks; infinite if it meets nobody.
-    near: Lanes,
+    near: Lanes<S, E>,
 }
 
-struct Sweep<'a> {
-    hydro: &'a Hydro,
+/// All that the leaves share.
+struct Sweep<'a, E> {
     clock: &'a Clock,
     next: &'a Clock,
-    tree: &'a Tree,
-    particles: &'a Particles,
-    derived: &'a Derived,
-    v: &'a [Vec3],
+    frame: Frame<'a>,
+    packed: &'a Packed<E>,
+    m: &'a [f64],
+    end: &'a [u32],
     next_span: &'a [u32],
     /// Largest H a node: of all its particles, and of its active ones (negative if there are none).
     extent: [&'a [f64]; 2],
-    support: f64,
-    norm: f64,
-    power: i32,
-    beta_ratio: f64,
-    level: Level,
+    three: bool,
+    flux: Flux,
+    out: Out<'a>,
 }
 
-impl Sweep<'_> {
-    fn leaf<K: Kernel>(&self, leaf: usize, buffers: &mut Buffers, out: &Out) -> usize {
-        let range = self.tree.nodes[leaf].range();
-        self.gather(leaf, range.clone(), buffers);
-        range
-            .map(|i| {
-                let sums: Sums =
-                    dispatch!(self.level, simd => self.target::<K, _>(simd, i, buffers));
-                self.write(i, &sums, out);
-                usize::from(sums.nearest().is_finite())
+/// The sweep over one leaf.
+struct Leaf<'a, E, K> {
+    sweep: &'a Sweep<'a, E>,
+    leaf: usize,
+    region: &'a mut Region<E>,
+    kernel: std::marker::PhantomData<K>,
+}
+
+impl<E: Element, K: Kernel> Job<E> for Leaf<'_, E, K> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Simd, R: Machine<S, E>>(self, simd: S) -> usize {
+        let Self {
+            sweep,
+            leaf,
+            region,
+            ..
+        } = self;
+        let coarser = sweep.gather(simd, leaf, region);
+        let steps = sweep.steps(coarser);
+        let mut met = 0;
+        for i in sweep.frame.tree.nodes[leaf].range() {
+            let sums = sweep.target::<K, S, R>(simd, i, steps, region);
+            met += usize::from(sweep.write::<S, R>(i, &sums));
+        }
+        met
+    }
+}
+
+impl<E: Element> Sweep<'_, E> {
+    fn run<K: Kernel>(&self) -> usize {
+        let level = Level::new();
+        let leaves = self.frame.tree.leaves.par_iter();
+        leaves
+            .map(|&leaf| {
+                E::with_workspace(|space| {
+                    let leaf = Leaf::<E, K> {
+                        sweep: self,
+                        leaf: leaf as usize,
+                        region: &mut space.region,
+                        kernel: std::marker::PhantomData,
+                    };
+                    E::run(level, leaf)
+                })
             })
             .sum()
     }
 
-    /// Gathers what may meet the leaf's particles: everything if some of them are active, else active particles alone.
-    fn gather(&self, leaf: usize, range: Range<usize>, buffers: &mut Buffers) {
-        let all = self.extent[1][leaf] >= 0.0;
-        let extent = self.extent[usize::from(!all)];
-        let search = Search {
-            tree: self.tree,
-            domain: &self.hydro.domain,
-            x: &self.particles.x,
-            reach: self.extent[0][leaf],
-            extent,
-        };
-        let span = bounding(self.particles.x[range].iter().copied());
-        buffers.candidates.gather(&search, span, |j| {
-            if all || self.active(j) {
-                self.support * self.particles.h[j]
-            } else {
-                -1.0
-            }
-        });
-        buffers.sources.clear();
-        let index = &buffers.candidates.index;
-        buffers
-            .sources
-            .extend(index.iter().map(|&j| self.source(j as usize)));
-        buffers.reach2.clear();
-        let reach2 = buffers.sources.iter().map(|source| source.reach2);
-        buffers.reach2.extend(reach2);
-    }
-
     fn active(&self, i: usize) -> bool {
-        self.clock.synchronous() || self.particles.end[i] == self.clock.tick
+        self.clock.synchronous() || self.end[i] == self.clock.tick
     }
 
-    fn source(&self, i: usize) -> Source {
-        let (p, d) = (self.particles, self.derived);
-        let reach = self.support * p.h[i];
-        let slope = self.norm / reach.powi(self.power);
-        Source {
-            v: self.v[i].into(),
-            m: p.m[i],
-            g: d.grad_h[i] * p.m[i],
-            h: p.h[i],
-            reach2: reach * reach,
-            inverse: 1.0 / reach,
-            slope,
-            push: slope * d.p[i] / (d.rho[i] * d.rho[i]),
-            rho: d.rho[i],
-            cs: d.cs[i],
-            alpha: p.alpha[i],
-            age: f64::from(self.clock.tick - p.begin[i]),
-            span: f64::from(p.span[i]),
-            next_span: f64::from(self.next_span[i]),
-            active: self.active(i),
-        }
+    /// Units of length, and of velocity, a step of the grids.
+    fn steps(&self, coarser: i32) -> ([E; 3], E) {
+        let units = &self.frame.units;
+        let step = units.step * (2f64.powi(coarser) / units.length);
+        let length = [step.x, step.y, step.z].map(E::from_f64);
+        (length, E::from_f64(units.velocity_step / units.velocity))
+    }
+
+    /// Gathers what may meet the leaf's particles: everything if some of them are active, else active particles alone.
+    #[inline(always)]
+    fn gather<S: Simd>(&self, simd: S, leaf: usize, region: &mut Region<E>) -> i32 {
+        let all = self.extent[1][leaf] >= 0.0;
+        let node = &self.frame.tree.nodes[leaf];
+        let (centre, unit) = (self.frame.centre(leaf), self.frame.units.length);
+        let side = |corner: Vec3| {
+            let d = self.frame.domain.in_plane(corner - centre) / unit;
+            [d.x, d.y, d.z].map(E::from_f64)
+        };
+        let search = Search {
+            frame: &self.frame,
+            packed: self.packed,
+            leaf,
+            span: [side(node.lo), side(node.hi)],
+            reach: self.extent[0][leaf] / unit,
+            extent: self.extent[usize::from(!all)],
+            active: !all,
+        };
+        let far = region.gather(simd, &search);
+        region.fetch_on_grid::<QUADS>(&search, far, nobody())
     }
 
     #[inline(always)]
-    fn target<K: Kernel, S: Simd>(&self, simd: S, i: usize, buffers: &mut Buffers) -> Sums {
-        let Buffers {
-            candidates,
-            sources,
-            reach2,
-            list,
-        } = buffers;
-        let own = self.source(i);
-        let place = candidates.place(self.particles.x[i]);
-        candidates.list(simd, place, (own.reach2, reach2), list);
-        let mut sums = Sums {
-            near: [f64::INFINITY; LANES],
-            ..Sums::default()
+    fn target<K: Kernel, S: Simd, R: Machine<S, E>>(
+        &self,
+        simd: S,
+        i: usize,
+        (length, velocity): ([E; 3], E),
+        region: &mut Region<E>,
+    ) -> Sums<S, E> {
+        let row = self.packed.row(i);
+        let own = Member::<S, E>::alone::<R>(simd, &row, self.three);
+        let reach = row[2].0[0].to_f64();
+        let place = self.packed.place(i);
+        region.list::<S, true>(simd, place, reach * reach, !self.active(i));
+        let zero = same::<S, E>(simd, 0.0);
+        let mut sums = Sums::<S, E> {
+            force: [[[same::<S, f64>(simd, 0.0); 2]; 3]; 3],
+            heat: [zero; 3],
+            near: same::<S, E>(simd, f64::INFINITY),
         };
-        for (numbers, r2) in list.numbers().iter().zip(list.r2()) {
-            let block = block(&own, place, numbers, candidates, sources);
-            for (l, &r2) in r2.iter().enumerate() {
-                let [pull, heat] = self.flux::<K>(&own, &block, r2, l);
-                // The later begin of a pair is the lesser age.
-                let closing = own.age.min(block.age[l]) - 0.5 * own.span.min(block.span[l]);
-                let opening = 0.5 * own.next_span.min(block.next_span[l]);
-                for (n, weight) in [1.0, closing, opening].into_iter().enumerate() {
-                    for a in 0..3 {
-                        sums.force[n][a][l] += weight * (pull * block.d[a][l]);
-                    }
-                    sums.heat[n][l] += weight * heat;
-                }
-                let meets = block.acts[l] > 0.0 && r2 < FAR;
-                let near = if meets {
-                    block.next_span[l]
-                } else {
-                    f64::INFINITY
-                };
-                sums.near[l] = sums.near[l].min(near);
-            }
+        for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
+            let columns = [0, 1, 2, 3].map(
+                #[inline(always)]
+                |part| region.quad::<S, R>(simd, part, first),
+            );
+            let other = Member::new::<R>(simd, columns, self.three);
+            let pair = Separation::new(simd, &row, &columns, length, velocity);
+            let flux = (self.flux).between::<K, S, E, R>(simd, &own, &other, &pair);
+            sums.add(simd, &own, &other, flux, &pair);
         }
         sums
     }
 
-    /// The force of a pair on its first member by the separation, and the heat that stays with the first member, a time.
     #[inline(always)]
-    fn flux<K: Kernel>(&self, a: &Source, b: &Block, r2: f64, l: usize) -> [f64; 2] {
-        let r = r2.sqrt();
-        let slope_a = K::slope((r * a.inverse).min(1.0));
-        let slope_b = K::slope((r * b.inverse[l]).min(1.0));
-        let approach = b.dv[0][l] * b.d[0][l] + b.dv[1][l] * b.d[1][l] + b.dv[2][l] * b.d[2][l];
-        let pressure_a = a.m * (b.m[l] - a.g) * a.push * slope_a;
-        let pressure_b = b.m[l] * (a.m - b.g[l]) * b.push[l] * slope_b;
-        let h = 0.5 * (a.h + b.h[l]);
-        let mu = h * approach.min(0.0) / (r2 + 0.01 * h * h);
-        let alpha = 0.5 * (a.alpha + b.alpha[l]);
-        let strength = alpha * mu * (self.beta_ratio * mu - 0.5 * (a.cs + b.cs[l]));
-        let slope = 0.5 * (a.slope * slope_a + b.slope[l] * slope_b);
-        let viscous = a.m * b.m[l] * slope * strength / (0.5 * (a.rho + b.rho[l]));
-        [
-            b.acts[l] * (pressure_a + pressure_b + viscous),
-            b.acts[l] * ((pressure_a + 0.5 * viscous) * approach),
-        ]
-    }
-
-    fn write(&self, i: usize, sums: &Sums, out: &Out) {
-        let by_mass = 1.0 / self.particles.m[i];
+    fn write<S: Simd, R: Machine<S, E>>(&self, i: usize, sums: &Sums<S, E>) -> bool {
+        let units = &self.frame.units;
+        let energy = units.mass * units.velocity * units.velocity / units.length;
+        let by_mass = energy / self.m[i];
         let closing = by_mass * self.clock.unit();
         let opening = by_mass * self.next.unit();
-        let (near, span) = (sums.nearest(), self.next_span[i]);
+        let near = sums.near.as_slice().iter();
+        let near = near.fold(f64::INFINITY, |near, x| near.min(x.to_f64()));
+        let span = self.next_span[i];
         let wake = if near < f64::from(span / 4) {
             self.next.waking(4 * near as u32)
         } else {
             NEVER
         };
-        let force = |n: usize| Vec3::from_fn(|a, _| total(sums.force[n][a]));
-        let heat = |n: usize| total(sums.heat[n]);
-        let own = i..i + 1;
+        let force = |n: usize| Vec3::from_fn(|a, _| double_total::<S>(sums.force[n][a]));
+        let heat = |n: usize| units.velocity * R::total(sums.heat[n]);
+        let (own, out) = (i..i + 1, &self.out);
         // SAFETY: a leaf's task alone touches the leaf's particles.
         unsafe {
             if self.active(i) {
@@ -327,41 +341,49 @@ impl Sweep<'_> {
             out.du_open.part(own.clone())[0] = opening * heat(2);
             out.wake.part(own)[0] = wake;
         }
+        near.is_finite()
     }
 }
 
-impl Sums {
-    fn nearest(&self) -> f64 {
-        self.near.into_iter().fold(f64::INFINITY, f64::min)
-    }
+/// A row of what is beyond any kernel and has no mass.
+fn nobody<E: Real>() -> [Quad<E>; QUADS] {
+    // Beyond what the coordinates of the candidates span: the difference is a whole number still.
+    let far = E::place(if E::STEPS.is_finite() { 2.5 * E::STEPS } else { 1e30 });
+    let (zero, one) = (E::from_f64(0.0), E::from_f64(1.0));
+    let never = E::from_f64(f64::INFINITY);
+    [
+        Quad([far, far, far, zero]),
+        Quad([zero; 4]),
+        Quad([one, zero, one, zero]),
+        Quad([zero, zero, zero, never]),
+    ]
 }
 
-#[inline(always)]
-fn block(
-    own: &Source,
-    place: [f64; 3],
-    numbers: &[u32; LANES],
-    candidates: &Candidates,
-    sources: &[Source],
-) -> Block {
-    let mut block = Block::default();
-    for (l, &k) in numbers.iter().enumerate() {
-        let k = k as usize;
-        let (s, d) = (
-            &sources[k],
-            [candidates.x[k], candidates.y[k], candidates.z[k]],
-        );
+impl<S: Simd, E: Real> Sums<S, E> {
+    #[inline(always)]
+    fn add(
+        &mut self,
+        simd: S,
+        own: &Member<S, E>,
+        other: &Member<S, E>,
+        [pull, heat]: [Lanes<S, E>; 2],
+        pair: &Separation<S, E>,
+    ) {
+        let half = same::<S, E>(simd, 0.5);
+        // The later begin of a pair is the lesser age.
+        let closing = own.age.min(other.age) - own.span.min(other.span) * half;
+        let opening = own.next_span.min(other.next_span) * half;
+        let force = pair.d.map(|d| pull * d);
         for a in 0..3 {
-            block.d[a][l] = d[a] - place[a];
-            block.dv[a][l] = s.v[a] - own.v[a];
+            E::accumulate(&mut self.force[0][a], force[a]);
+            E::accumulate(&mut self.force[1][a], closing * force[a]);
+            E::accumulate(&mut self.force[2][a], opening * force[a]);
         }
-        (block.m[l], block.g[l], block.h[l]) = (s.m, s.g, s.h);
-        (block.inverse[l], block.slope[l], block.push[l]) = (s.inverse, s.slope, s.push);
-        (block.rho[l], block.cs[l], block.alpha[l]) = (s.rho, s.cs, s.alpha);
-        (block.age[l], block.span[l], block.next_span[l]) = (s.age, s.span, s.next_span);
-        block.acts[l] = f64::from(u8::from(own.active || s.active));
+        self.heat[0] += heat;
+        self.heat[1] = closing.mul_add(heat, self.heat[1]);
+        self.heat[2] = opening.mul_add(heat, self.heat[2]);
+        self.near = self.near.min(other.next_span);
     }
-    block
 }
 
 #[cfg(test)]

@@ -1,215 +1,421 @@
-//! Neighbours: the candidates of a leaf, gathered once into small contiguous arrays, and the list of those near one target.
+//! Neighbours: all particles packed leaf by leaf, the region about a leaf gathered once, and the list of those near one target.
 //!
-//! Coordinates are relative to the middle of the targets' box, periodic images moved next to it, zero along missing axes.
+//! Lengths are in units of the sweep, coordinates relative to the middle of a leaf, periodic images moved next to it, zero along missing
+//! axes. What a sweep needs of a particle stands in a row of quads, so that a neighbour is one or two lines of memory. Distances in
+//! the region are rounded: a list holds all neighbours and a few that lie a hair farther.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f64x8};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
+use nbody::points::sum::Parts;
 use nbody::points::{Domain, Tree, Vec3};
+use rayon::prelude::*;
 
-/// A box around targets.
-pub type Span = (Vec3, Vec3);
+use crate::lanes::{Lanes, MOST, Machine, Quad, Real, load, same};
+use crate::units::Units;
 
-/// The box around the positions.
-pub fn bounding(x: impl Iterator<Item = Vec3>) -> Span {
-    let empty = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    x.fold(empty, |(lo, hi), p| (lo.inf(&p), hi.sup(&p)))
-}
-
-/// How far a search goes.
-pub struct Search<'a> {
+/// Where the particles of a sweep are.
+#[derive(Clone, Copy)]
+pub struct Frame<'a> {
     pub tree: &'a Tree,
     pub domain: &'a Domain,
     pub x: &'a [Vec3],
-    /// Reach of the targets.
-    pub reach: f64,
-    /// Reach of the candidates for each node of the tree, as [`Tree::near`] wants it.
-    pub extent: &'a [f64],
+    pub units: Units,
 }
 
-/// Particles that may be neighbours of some target in a box.
-#[derive(Debug, Default)]
-pub struct Candidates {
-    pub index: Vec<u32>,
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-    pub z: Vec<f64>,
-    origin: Vec3,
-    axes: Vec3,
-}
+impl Frame<'_> {
+    /// The middle of a leaf, on the grid.
+    pub fn centre(&self, leaf: usize) -> Vec3 {
+        let step = self.units.step;
+        let steps = self.tree.nodes[leaf].centre().component_div(&step);
+        steps.map(f64::round).component_mul(&step)
+    }
 
-impl Candidates {
-    /// Gathers all particles j within max(reach, own(j)) of the box; a negative `own` excludes j. Filled up to a multiple of [`LANES`].
-    pub fn gather(&mut self, search: &Search, (lo, hi): Span, own: impl Fn(usize) -> f64) {
-        self.index.clear();
-        self.x.clear();
-        self.y.clear();
-        self.z.clear();
-        self.origin = 0.5 * (lo + hi);
-        self.axes = search.domain.in_plane(Vec3::repeat(1.0));
-        let half = 0.5 * (hi - lo);
-        let Search {
-            tree,
-            domain,
-            x,
-            reach,
-            extent,
-        } = *search;
-        tree.near(domain, (lo, hi), reach, extent, |range, shift| {
-            let origin = self.origin - shift;
-            for j in range {
-                let d = (x[j] - origin).component_mul(&self.axes);
-                let gap = (d.abs() - half).sup(&Vec3::zeros());
-                let (gap, own) = (gap.norm_squared(), own(j));
-                let far = reach.max(own);
-                if own >= 0.0 && gap <= far * far {
-                    self.index.push(j as u32);
-                    self.x.push(d.x);
-                    self.y.push(d.y);
-                    self.z.push(d.z);
+    /// Calls `visit(node, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
+    /// box [lo, hi], as [`Tree::near`] does.
+    fn near(&self, (lo, hi): Span, reach: f64, extent: &[f64], mut visit: impl FnMut(u32, Vec3)) {
+        let nodes = &self.tree.nodes;
+        let root = &nodes[0];
+        let far = reach.max(extent.first().copied().unwrap_or(0.0));
+        let margin = Vec3::repeat(far);
+        (self.domain).shifts(lo - margin, hi + margin, root.lo, root.hi, |shift| {
+            let (lo, hi) = (lo - shift, hi - shift);
+            let mut i = 0;
+            while i < nodes.len() {
+                let node = &nodes[i];
+                let own = extent.get(i).copied().unwrap_or(0.0);
+                let reach = reach.max(own);
+                let gap = (node.lo - hi).sup(&(lo - node.hi)).sup(&Vec3::zeros());
+                if own < 0.0 || gap.norm_squared() > reach * reach {
+                    i = node.skip as usize;
+                } else {
+                    i += 1;
+                    if node.skip as usize == i {
+                        visit(i as u32 - 1, shift);
+                    }
                 }
             }
         });
-        // Fill up the last lanes with what is near nobody.
-        let filled = self.index.len().next_multiple_of(LANES);
-        let first = self.index.first().copied().unwrap_or(0);
-        self.index.resize(filled, first);
-        for x in [&mut self.x, &mut self.y, &mut self.z] {
-            x.resize(filled, FAR);
-        }
-    }
-
-    pub fn len(&self) -> usize {
-        self.index.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.index.is_empty()
-    }
-
-    /// A target's position in the frame of the candidates.
-    pub fn place(&self, x: Vec3) -> [f64; 3] {
-        (x - self.origin).component_mul(&self.axes).into()
-    }
-
-    /// Lists the candidates k with r^2 < max(`reach2`, own[k]) about the target at `place`; `own` is a value a candidate, or empty.
-    ///
-    /// The list is filled up to a multiple of [`LANES`] with candidates at the distance [`FAR`].
-    #[inline(always)]
-    pub fn list<S: Simd>(
-        &self,
-        simd: S,
-        place: [f64; 3],
-        (reach2, own): (f64, &[f64]),
-        list: &mut List,
-    ) {
-        let room = self.len() + LANES;
-        if list.number.len() < room {
-            list.number.resize(room, 0);
-            list.all.resize(room, 0.0);
-        }
-        let (x, y, z) = (
-            self.x.as_chunks().0,
-            self.y.as_chunks().0,
-            self.z.as_chunks().0,
-        );
-        let own = own.as_chunks().0;
-        let all: &mut [Lanes] = list.all.as_chunks_mut().0;
-        let lanes = |lanes: &Lanes| f64x8::from_slice(simd, lanes);
-        let mut count = 0;
-        for (c, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
-            let d = [
-                lanes(x) - place[0],
-                lanes(y) - place[1],
-                lanes(z) - place[2],
-            ];
-            let r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            r2.store_slice(&mut all[c]);
-            let limit = own
-                .get(c)
-                .map_or(f64x8::splat(simd, reach2), |own| lanes(own).max(reach2));
-            let inside = r2.simd_lt(limit).to_bitmask() as u8;
-            // All lanes are written, those inside first; the next ones overwrite the rest.
-            let numbers = &mut list.number[count..count + LANES];
-            for (number, &lane) in numbers.iter_mut().zip(&FIRST[usize::from(inside)]) {
-                *number = (c * LANES) as u32 + u32::from(lane);
-            }
-            count += inside.count_ones() as usize;
-        }
-        list.count = count;
-        list.r2.clear();
-        let filled = count.next_multiple_of(LANES);
-        list.number[count..filled].fill(0);
-        let all = &list.all;
-        list.r2
-            .extend(list.number[..count].iter().map(|&k| all[k as usize]));
-        list.r2.resize(filled, FAR * FAR);
     }
 }
 
-/// For each set of lanes their numbers, ascending; then zeros.
-const FIRST: [[u8; LANES]; 256] = {
-    let mut table = [[0; LANES]; 256];
-    let mut set = 0;
-    while set < 256 {
-        let (mut lane, mut count) = (0, 0);
-        while lane < LANES {
-            if set >> lane & 1 == 1 {
-                table[set][count] = lane as u8;
-                count += 1;
-            }
-            lane += 1;
+/// A box: its least and its largest coordinates.
+pub type Span = (Vec3, Vec3);
+
+/// All particles as the sweeps see them.
+#[derive(Clone, Debug, Default)]
+pub struct Packed<E> {
+    /// Coordinates from the middle of the particle's leaf.
+    x: [Vec<E>; 3],
+    /// The particle's own reach, negative if it is not active.
+    reach: Vec<E>,
+    /// Rows of `stride` quads.
+    quads: Vec<Quad<E>>,
+    stride: usize,
+}
+
+impl<E: Real> Packed<E> {
+    /// Packs all particles: `source(i, d)` is the reach and the row of particle i, which stands at d from the middle of its leaf.
+    pub fn fill<const Q: usize>(
+        &mut self,
+        frame: &Frame,
+        source: impl Fn(usize, Vec3) -> (f64, [Quad<E>; Q]) + Sync,
+    ) {
+        let n = frame.x.len();
+        self.stride = Q;
+        for column in self.x.iter_mut().chain([&mut self.reach]) {
+            column.resize(n + MOST, E::default());
         }
-        set += 1;
+        self.quads.resize(n * Q, Quad::default());
+        let x = self.x.each_mut().map(|x| Parts::new(x));
+        let (reaches, quads) = (Parts::new(&mut self.reach), Parts::new(&mut self.quads));
+        let by_length = 1.0 / frame.units.length;
+        frame.tree.leaves.par_iter().for_each(|&leaf| {
+            let centre = frame.centre(leaf as usize);
+            let range = frame.tree.nodes[leaf as usize].range();
+            // SAFETY: a leaf's task alone touches the leaf's particles.
+            let (mut x, reaches, quads) = unsafe {
+                (
+                    x.each_ref().map(|x| x.part(range.clone())),
+                    reaches.part(range.clone()),
+                    quads.part(range.start * Q..range.end * Q),
+                )
+            };
+            let rows = quads.as_chunks_mut::<Q>().0;
+            for (k, (row, i)) in rows.iter_mut().zip(range).enumerate() {
+                let d = frame.domain.in_plane(frame.x[i] - centre);
+                let (reach, quads) = source(i, d);
+                *row = quads;
+                reaches[k] = E::from_f64(reach);
+                for (x, d) in x.iter_mut().zip(&d) {
+                    x[k] = E::from_f64(d * by_length);
+                }
+            }
+        });
     }
-    table
-};
 
-/// Pairs that are worked on together.
-pub const LANES: usize = 8;
+    /// Coordinates of particle i from the middle of its leaf.
+    pub fn place(&self, i: usize) -> [E; 3] {
+        self.x.each_ref().map(|x| x[i])
+    }
 
-/// The distance of what fills up a list: beyond any kernel.
-pub const FAR: f64 = 1e100;
+    /// The row of particle i.
+    pub fn row<const Q: usize>(&self, i: usize) -> [Quad<E>; Q] {
+        std::array::from_fn(|q| self.quads[i * Q + q])
+    }
+}
 
-/// The neighbours of one target.
+/// A search about some targets of a leaf.
+pub struct Search<'a, E> {
+    pub frame: &'a Frame<'a>,
+    pub packed: &'a Packed<E>,
+    pub leaf: usize,
+    /// Box around the targets, relative to the middle of the leaf.
+    pub span: [[E; 3]; 2],
+    /// Reach of the targets.
+    pub reach: f64,
+    /// Reach of the nodes of the tree, code units, as [`Tree::near`] wants it; if empty, the particles' own reach does not count.
+    pub extent: &'a [f64],
+    /// Whether only active particles count.
+    pub active: bool,
+}
+
+/// A leaf that is near, and the end of its candidates.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    node: u32,
+    shift: Vec3,
+    end: u32,
+}
+
+/// The particles that may be neighbours of some targets, and those that are neighbours of one.
 #[derive(Debug, Default)]
-pub struct List {
-    number: Vec<u32>,
-    r2: Vec<f64>,
-    /// r^2 of all candidates.
-    all: Vec<f64>,
+pub struct Region<E> {
+    runs: Vec<Run>,
+    /// Numbers of the candidates among all particles, as bits.
+    index: Vec<E>,
+    x: [Vec<E>; 3],
+    /// Square of the candidate's own reach, with a margin; negative if it is not active.
+    limit: Vec<E>,
+    len: usize,
+    quads: Vec<Quad<E>>,
+    stride: usize,
+    numbers: Vec<E>,
+    r2: Vec<E>,
     count: usize,
 }
 
-impl List {
-    /// Number of neighbours.
-    pub fn len(&self) -> usize {
+/// What separations count that are no neighbours: beyond any kernel.
+const FAR: f64 = 1e30;
+
+impl<E: Real> Region<E> {
+    /// The margin for rounding at distances of `far`.
+    fn margin(far: f64) -> f64 {
+        8.0 * E::EPSILON * far
+    }
+
+    /// Gathers all particles within max(reach, own reach) of the box; returns the largest of these.
+    #[inline(always)]
+    pub fn gather<S: Simd>(&mut self, simd: S, search: &Search<'_, E>) -> f64 {
+        let Search { frame, leaf, .. } = *search;
+        let unit = frame.units.length;
+        let origin = frame.centre(leaf);
+        let absolute = |side: usize| {
+            Vec3::from_fn(|a, _| origin[a] + unit * search.span[side][a].to_f64())
+        };
+        let (reach, mut visited) = (unit * search.reach, 0);
+        self.runs.clear();
+        let runs = &mut self.runs;
+        let slack = Vec3::repeat(Self::margin(unit));
+        let span = (absolute(0) - slack, absolute(1) + slack);
+        frame.near(span, reach, search.extent, |node, shift| {
+            visited += frame.tree.nodes[node as usize].count();
+            runs.push(Run {
+                node,
+                shift,
+                end: 0,
+            });
+        });
+        let room = visited + MOST;
+        let columns = self.x.iter_mut().chain([&mut self.index, &mut self.limit]);
+        for column in columns {
+            if column.len() < room {
+                column.resize(room, E::default());
+            }
+        }
+        self.len = 0;
+        self.count = 0;
+        let mut far = same::<S, E>(simd, 0.0);
+        for run in 0..self.runs.len() {
+            far = self.sift(simd, search, origin, run, far);
+        }
+        far.as_slice().iter().fold(0.0, |far, x| far.max(x.to_f64()))
+    }
+
+    /// Picks the candidates of a run.
+    #[inline(always)]
+    fn sift<S: Simd>(
+        &mut self,
+        simd: S,
+        search: &Search<'_, E>,
+        origin: Vec3,
+        run: usize,
+        mut farthest: Lanes<S, E>,
+    ) -> Lanes<S, E> {
+        let Search { frame, packed, .. } = *search;
+        let Run { node, shift, .. } = self.runs[run];
+        let range = frame.tree.nodes[node as usize].range();
+        let offset = (frame.domain).in_plane(frame.centre(node as usize) + shift - origin)
+            / frame.units.length;
+        let [lo, hi] = search.span.map(|side| side.map(|x| Lanes::<S, E>::splat(simd, x)));
+        let reach = same::<S, E>(simd, search.reach);
+        let zero = same::<S, E>(simd, 0.0);
+        let widest = (0..3).fold(0.0, |w: f64, a| {
+            w.max((search.span[1][a].to_f64() - search.span[0][a].to_f64()).abs())
+        });
+        let margin = same::<S, E>(simd, Self::margin(widest));
+        let stretch = same::<S, E>(simd, 1.0 + Self::margin(1.0));
+        let own = !search.extent.is_empty();
+        let mut at = self.len;
+        let mut first = range.start;
+        while first < range.end {
+            let x: [Lanes<S, E>; 3] = std::array::from_fn(|a| {
+                load(simd, &packed.x[a], first) + same::<S, E>(simd, offset[a])
+            });
+            let gap: [Lanes<S, E>; 3] =
+                std::array::from_fn(|a| (lo[a] - x[a]).max(x[a] - hi[a]).max(zero));
+            let gap = gap[2].mul_add(gap[2], gap[1].mul_add(gap[1], gap[0] * gap[0]));
+            let signed = if own {
+                load(simd, &packed.reach, first)
+            } else {
+                zero
+            };
+            let limit = signed.abs().mul_add(stretch, margin);
+            let far = reach.mul_add(stretch, margin).max(limit);
+            let mut inside = gap.simd_le(far * far);
+            if search.active {
+                inside &= signed.simd_gt(zero);
+            }
+            let left = (1u64 << (range.end - first).min(MOST)) - 1;
+            let bits = inside.to_bitmask() & left;
+            let inside = SimdMask::from_bitmask(simd, bits);
+            farthest = farthest.max(Select::select(inside, far, zero));
+            let index = E::numbers(simd, first, 1);
+            store(index.compress(inside), &mut self.index, at);
+            for (x, column) in x.into_iter().zip(&mut self.x) {
+                store(x.compress(inside), column, at);
+            }
+            if own {
+                let limit = (limit * limit).copysign(signed);
+                store(limit.compress(inside), &mut self.limit, at);
+            }
+            at += bits.count_ones() as usize;
+            first += Lanes::<S, E>::LEN;
+        }
+        self.len = at;
+        self.runs[run].end = at as u32;
+        farthest
+    }
+
+    /// Fetches the rows of the candidates, the first three values of each being their coordinates; `nobody` fills up lists.
+    #[inline(always)]
+    pub fn fetch<const Q: usize>(&mut self, packed: &Packed<E>, nobody: [Quad<E>; Q]) {
+        assert!(packed.stride == Q);
+        self.room::<Q>();
+        let rows = self.quads.as_chunks_mut::<Q>().0;
+        for (k, row) in rows.iter_mut().enumerate().take(self.len) {
+            *row = packed.row(self.index[k].index());
+            for (value, x) in row[0].0.iter_mut().zip(&self.x) {
+                *value = x[k];
+            }
+        }
+        rows[self.len] = nobody;
+    }
+
+    /// As [`Region::fetch`], but with the coordinates on the grid; returns how many times the grid is doubled for what is as far as `far`.
+    #[inline(always)]
+    pub fn fetch_on_grid<const Q: usize>(
+        &mut self,
+        search: &Search<'_, E>,
+        far: f64,
+        nobody: [Quad<E>; Q],
+    ) -> i32 {
+        let Search { frame, packed, .. } = *search;
+        assert!(packed.stride == Q);
+        let origin = frame.centre(search.leaf);
+        let step = frame.units.step;
+        let widest = search.span.iter().flatten();
+        let widest = widest.fold(far, |w, x| w.max(far + x.to_f64().abs()));
+        let room = E::STEPS * step.min() / frame.units.length;
+        let coarser = (widest / room).log2().ceil().max(0.0) as i32;
+        self.room::<Q>();
+        let rows = self.quads.as_chunks_mut::<Q>().0;
+        let mut start = 0;
+        for run in &self.runs {
+            let moved = frame.centre(run.node as usize) + run.shift - origin;
+            let offset = frame.domain.in_plane(moved).component_div(&step);
+            let offset = if E::STEPS.is_finite() {
+                offset.map(f64::round)
+            } else {
+                offset
+            };
+            for k in start..run.end as usize {
+                let mut row: [Quad<E>; Q] = packed.row(self.index[k].index());
+                for (value, &offset) in row[0].0.iter_mut().zip(&offset) {
+                    *value = E::moved(*value, offset, coarser);
+                }
+                rows[k] = row;
+            }
+            start = run.end as usize;
+        }
+        rows[self.len] = nobody;
+        coarser
+    }
+
+    fn room<const Q: usize>(&mut self) {
+        self.stride = Q;
+        let room = (self.len + 1) * Q;
+        if self.quads.len() < room {
+            self.quads.resize(room, Quad::default());
+        }
+    }
+
+    /// Lists the candidates at r^2 < `limit` from `place`, or within their own reach; where `active`, only those that are.
+    #[inline(always)]
+    pub fn list<S: Simd, const OWN: bool>(
+        &mut self,
+        simd: S,
+        place: [E; 3],
+        limit: f64,
+        active: bool,
+    ) {
+        let lanes = Lanes::<S, E>::LEN;
+        let room = self.len + 2 * MOST;
+        if self.numbers.len() < room {
+            self.numbers.resize(room, E::default());
+            self.r2.resize(room, E::default());
+        }
+        let place = place.map(|x| Lanes::<S, E>::splat(simd, x));
+        let limit = same::<S, E>(simd, limit * (1.0 + Self::margin(1.0)));
+        let end = self.len;
+        let x = self.x.each_ref().map(|x| &x[..end.next_multiple_of(lanes)]);
+        let own = &self.limit[..if OWN { end.next_multiple_of(lanes) } else { 0 }];
+        let mut count = 0;
+        let mut first = 0;
+        while first < end {
+            let d: [Lanes<S, E>; 3] = std::array::from_fn(|a| load(simd, x[a], first) - place[a]);
+            let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0] * d[0]));
+            let mut inside = r2.simd_lt(if OWN {
+                load(simd, own, first).abs().max(limit)
+            } else {
+                limit
+            });
+            if OWN && active {
+                inside &= load(simd, own, first).simd_gt(same::<S, E>(simd, 0.0));
+            }
+            let bits = inside.to_bitmask();
+            let numbers = E::numbers(simd, first * self.stride, self.stride);
+            store(numbers.compress(inside), &mut self.numbers, count);
+            store(r2.compress(inside), &mut self.r2, count);
+            count += bits.count_ones() as usize;
+            first += lanes;
+        }
+        // What stands behind the last candidate is near nobody.
+        while count > 0 && self.numbers[count - 1].index() >= end * self.stride {
+            count -= 1;
+        }
+        self.count = count;
+        let nobody = Lanes::<S, E>::splat(simd, E::number(end * self.stride));
+        store(nobody, &mut self.numbers, count);
+        store(same::<S, E>(simd, FAR), &mut self.r2, count);
+    }
+
+    /// Number of neighbours listed.
+    pub fn count(&self) -> usize {
         self.count
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
+    /// Squares of the neighbours' distances, filled up to whole lanes.
+    #[inline(always)]
+    pub fn r2<S: Simd>(&mut self, _simd: S) -> &mut [E] {
+        &mut self.r2[..self.count.next_multiple_of(Lanes::<S, E>::LEN)]
     }
 
-    /// Numbers of the neighbours among the candidates, filled up.
+    /// One quad of the rows of the neighbours from `first` on.
     #[inline(always)]
-    pub fn numbers(&self) -> &[[u32; LANES]] {
-        self.number[..self.count.next_multiple_of(LANES)]
-            .as_chunks()
-            .0
-    }
-
-    /// Squares of the neighbours' distances, filled up.
-    #[inline(always)]
-    pub fn r2(&self) -> &[[f64; LANES]] {
-        self.r2[..self.count.next_multiple_of(LANES)].as_chunks().0
+    pub fn quad<S: Simd, R: Machine<S, E>>(
+        &self,
+        simd: S,
+        part: usize,
+        first: usize,
+    ) -> [Lanes<S, E>; 4] {
+        let numbers = &self.numbers[first..first + Lanes::<S, E>::LEN];
+        assert!(part < self.stride && first < self.count);
+        // SAFETY: a list holds numbers of rows of the region, of `stride` quads each, and is filled up by the row behind the last.
+        unsafe { R::quad(simd, &self.quads, part, numbers) }
     }
 }
 
-/// One value a lane.
-pub type Lanes = [f64; LANES];
-
-/// The sum over the lanes.
+/// Writes lanes to a column from `k` on.
 #[inline(always)]
-pub fn total(lanes: Lanes) -> f64 {
-    let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+fn store<S: Simd, V: SimdBase<S>>(value: V, column: &mut [V::Element], k: usize) {
+    value.store_slice(&mut column[k..k + V::LEN]);
 }

@@ -9,6 +9,8 @@ use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
 
+use crate::workspace::Both;
+
 columns! {
     /// State of gas particles, code units.
     pub struct Particles {
@@ -100,6 +102,8 @@ pub struct Gas {
     pub(crate) active_extent: Vec<f64>,
     /// The tick by which a neighbour wants each particle to end its step; of the last force sweep.
     pub(crate) wake: Vec<u32>,
+    /// All gas as the sweeps see it.
+    pub(crate) packed: Both,
     /// Size of the leaves altogether when the gas was sorted.
     leaf_size: f64,
     curve: Curve,
