@@ -238,24 +238,22 @@ impl<E: Element, K: Kernel> Job<E> for Leaf<'_, E, K> {
         let mut tally = sweep.targets(leaf, pending);
         while !pending.is_empty() {
             sweep.gather(simd, leaf, region, pending);
-            pending.retain_mut(
-                #[inline(always)]
-                |target| match sweep.solve::<K, S, R>(simd, target, region) {
-                    Outcome::Done { local, reach } => {
-                        sweep.write(target.i, &local, reach);
-                        false
-                    }
+            let mut left = 0;
+            for k in 0..pending.len() {
+                let mut target = pending[k];
+                match sweep.solve::<K, S, R>(simd, &mut target, region) {
+                    Outcome::Done { local, reach } => sweep.write(target.i, &local, reach),
                     Outcome::Wider(radius) => {
-                        target.radius = radius;
-                        true
+                        pending[left] = Target { radius, ..target };
+                        left += 1;
                     }
                     Outcome::Failed(reach) => {
                         let failed = Some((target.i, reach));
                         tally = tally.and(Tally { targets: 0, failed });
-                        false
                     }
-                },
-            );
+                }
+            }
+            pending.truncate(left);
         }
         tally
     }
@@ -392,10 +390,11 @@ impl<E: Element> Sweep<'_, E> {
         };
         let mut sums = Sums::new(simd);
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
-            let columns = [0, 1, 2].map(
-                #[inline(always)]
-                |part| region.quad::<S, R>(simd, part, first),
-            );
+            let columns = [
+                region.quad::<S, R>(simd, 0, first),
+                region.quad::<S, R>(simd, 1, first),
+                region.quad::<S, R>(simd, 2, first),
+            ];
             let r = load(simd, region.r2(simd), first);
             sums.add::<K, R>(simd, &own, columns, r);
         }

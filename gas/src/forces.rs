@@ -299,10 +299,12 @@ impl<E: Element> Sweep<'_, E> {
             near: same::<S, E>(simd, f64::INFINITY),
         };
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
-            let columns = [0, 1, 2, 3].map(
-                #[inline(always)]
-                |part| region.quad::<S, R>(simd, part, first),
-            );
+            let columns = [
+                region.quad::<S, R>(simd, 0, first),
+                region.quad::<S, R>(simd, 1, first),
+                region.quad::<S, R>(simd, 2, first),
+                region.quad::<S, R>(simd, 3, first),
+            ];
             let other = Member::new::<R>(simd, columns, self.three);
             let pair = Separation::new(simd, &row, &columns, length, velocity);
             let flux = (self.flux).between::<K, S, E, R>(simd, &own, &other, &pair);
@@ -373,7 +375,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
         // The later begin of a pair is the lesser age.
         let closing = own.age.min(other.age) - own.span.min(other.span) * half;
         let opening = own.next_span.min(other.next_span) * half;
-        let force = pair.d.map(|d| pull * d);
+        let force = [pull * pair.d[0], pull * pair.d[1], pull * pair.d[2]];
         for a in 0..3 {
             E::accumulate(&mut self.force[0][a], force[a]);
             E::accumulate(&mut self.force[1][a], closing * force[a]);

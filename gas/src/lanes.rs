@@ -4,7 +4,7 @@
 //! Numbers of particles travel as bits of the element type, so that the same instructions compress them.
 
 use fearless_simd::{
-    Bytes, Level, Simd, SimdBase, SimdCvtFloat, SimdFloat, SimdFloatElement, SimdWiden, dispatch,
+    Bytes, Level, Simd, SimdBase, SimdCvtFloat, SimdFloat, SimdFloatElement, SimdWiden,
 };
 
 /// The lanes of the machine.
@@ -143,7 +143,16 @@ macro_rules! runs {
                     #[inline(always)]
                     || job.run::<_, $avx2>(simd),
                 ),
-                other => dispatch!(other, simd => job.run::<_, Exact>(simd)),
+                #[cfg(target_arch = "x86_64")]
+                _ => match Level::baseline() {
+                    Level::Sse2(simd) => simd.vectorize(
+                        #[inline(always)]
+                        || job.run::<_, Exact>(simd),
+                    ),
+                    other => unreachable!("{other:?} is no baseline of x86-64"),
+                },
+                #[cfg(not(target_arch = "x86_64"))]
+                other => fearless_simd::dispatch!(other, simd => job.run::<_, Exact>(simd)),
             }
         }
     };

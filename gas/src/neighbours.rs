@@ -225,7 +225,8 @@ impl<E: Real> Region<E> {
         let range = frame.tree.nodes[node as usize].range();
         let offset = (frame.domain).in_plane(frame.centre(node as usize) + shift - origin)
             / frame.units.length;
-        let [lo, hi] = search.span.map(|side| side.map(|x| Lanes::<S, E>::splat(simd, x)));
+        let lo = splat(simd, search.span[0]);
+        let hi = splat(simd, search.span[1]);
         let reach = same::<S, E>(simd, search.reach);
         let zero = same::<S, E>(simd, 0.0);
         let widest = (0..3).fold(0.0, |w: f64, a| {
@@ -237,12 +238,12 @@ impl<E: Real> Region<E> {
         let mut at = self.len;
         let mut first = range.start;
         while first < range.end {
-            let x: [Lanes<S, E>; 3] = std::array::from_fn(|a| {
-                load(simd, &packed.x[a], first) + same::<S, E>(simd, offset[a])
-            });
-            let gap: [Lanes<S, E>; 3] =
-                std::array::from_fn(|a| (lo[a] - x[a]).max(x[a] - hi[a]).max(zero));
-            let gap = gap[2].mul_add(gap[2], gap[1].mul_add(gap[1], gap[0] * gap[0]));
+            let (mut x, mut gap2) = ([zero; 3], zero);
+            for a in 0..3 {
+                x[a] = load(simd, &packed.x[a], first) + same::<S, E>(simd, offset[a]);
+                let gap = (lo[a] - x[a]).max(x[a] - hi[a]).max(zero);
+                gap2 = gap.mul_add(gap, gap2);
+            }
             let signed = if own {
                 load(simd, &packed.reach, first)
             } else {
@@ -250,7 +251,7 @@ impl<E: Real> Region<E> {
             };
             let limit = signed.abs().mul_add(stretch, margin);
             let far = reach.mul_add(stretch, margin).max(limit);
-            let mut inside = gap.simd_le(far * far);
+            let mut inside = gap2.simd_le(far * far);
             if search.active {
                 inside &= signed.simd_gt(zero);
             }
@@ -353,7 +354,7 @@ impl<E: Real> Region<E> {
             self.numbers.resize(room, E::default());
             self.r2.resize(room, E::default());
         }
-        let place = place.map(|x| Lanes::<S, E>::splat(simd, x));
+        let place = splat(simd, place);
         let limit = same::<S, E>(simd, limit * (1.0 + Self::margin(1.0)));
         let end = self.len;
         let x = self.x.each_ref().map(|x| &x[..end.next_multiple_of(lanes)]);
@@ -361,7 +362,11 @@ impl<E: Real> Region<E> {
         let mut count = 0;
         let mut first = 0;
         while first < end {
-            let d: [Lanes<S, E>; 3] = std::array::from_fn(|a| load(simd, x[a], first) - place[a]);
+            let d = [
+                load(simd, x[0], first) - place[0],
+                load(simd, x[1], first) - place[1],
+                load(simd, x[2], first) - place[2],
+            ];
             let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0] * d[0]));
             let mut inside = r2.simd_lt(if OWN {
                 load(simd, own, first).abs().max(limit)
@@ -412,6 +417,16 @@ impl<E: Real> Region<E> {
         // SAFETY: a list holds numbers of rows of the region, of `stride` quads each, and is filled up by the row behind the last.
         unsafe { R::quad(simd, &self.quads, part, numbers) }
     }
+}
+
+/// Each coordinate in all lanes.
+#[inline(always)]
+fn splat<S: Simd, E: Real>(simd: S, [x, y, z]: [E; 3]) -> [Lanes<S, E>; 3] {
+    [
+        Lanes::<S, E>::splat(simd, x),
+        Lanes::<S, E>::splat(simd, y),
+        Lanes::<S, E>::splat(simd, z),
+    ]
 }
 
 /// Writes lanes to a column from `k` on.

@@ -62,8 +62,12 @@ impl<S: Simd, E: Real> Member<S, E> {
     /// The same particle in all lanes.
     #[inline(always)]
     pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], three: bool) -> Self {
-        let splat = |x: E| Lanes::<S, E>::splat(simd, x);
-        let columns = row.map(|quad| quad.0.map(splat));
+        let mut columns = [[same::<S, E>(simd, 0.0); 4]; QUADS];
+        for (columns, quad) in columns.iter_mut().zip(row) {
+            for (column, &value) in columns.iter_mut().zip(&quad.0) {
+                *column = Lanes::<S, E>::splat(simd, value);
+            }
+        }
         Self::new::<R>(simd, columns, three)
     }
 }
@@ -87,22 +91,25 @@ impl<S: Simd, E: Real> Separation<S, E> {
         velocity: E,
     ) -> Self {
         let velocity = Lanes::<S, E>::splat(simd, velocity);
-        let d: [Lanes<S, E>; 3] = std::array::from_fn(|a| {
+        let mut d = [velocity; 3];
+        let mut dv = d;
+        for a in 0..3 {
             let length = Lanes::<S, E>::splat(simd, length[a]);
-            E::apart(simd, columns[0][a], row[0].0[a]) * length
-        });
-        let dv: [Lanes<S, E>; 3] = std::array::from_fn(|a| {
-            E::apart(simd, columns[1][a], row[1].0[a]) * velocity
-        });
-        let dot = |a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]| {
-            a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
-        };
+            d[a] = E::apart(simd, columns[0][a], row[0].0[a]) * length;
+            dv[a] = E::apart(simd, columns[1][a], row[1].0[a]) * velocity;
+        }
         Self {
-            r2: dot(&d, &d),
-            approach: dot(&dv, &d),
+            r2: dot::<S, E>(&d, &d),
+            approach: dot::<S, E>(&dv, &d),
             d,
         }
     }
+}
+
+/// The scalar product; the same to the last bit when both vectors are reversed.
+#[inline(always)]
+fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S, E> {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
 /// Pressure and viscosity of a pair.

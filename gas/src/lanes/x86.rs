@@ -60,13 +60,16 @@ type Places<E, const N: usize> = [*const E; N];
 kernel!(
     #[inline(always)]
     fn quad_f32x16(token: Avx512, p: Places<f32, 16>) -> [f32x16<Avx512>; 4] {
-        // SAFETY: `Machine::quad` promises that all places hold a quad.
-        let rows: [__m512; 4] = core::array::from_fn(|r| unsafe {
-            let row = _mm512_castps128_ps512(_mm_load_ps(p[r]));
-            let row = _mm512_insertf32x4::<1>(row, _mm_load_ps(p[r + 4]));
-            let row = _mm512_insertf32x4::<2>(row, _mm_load_ps(p[r + 8]));
-            _mm512_insertf32x4::<3>(row, _mm_load_ps(p[r + 12]))
-        });
+        let mut rows = [_mm512_setzero_ps(); 4];
+        for r in 0..4 {
+            // SAFETY: `Machine::quad` promises that all places hold a quad.
+            rows[r] = unsafe {
+                let row = _mm512_castps128_ps512(_mm_load_ps(p[r]));
+                let row = _mm512_insertf32x4::<1>(row, _mm_load_ps(p[r + 4]));
+                let row = _mm512_insertf32x4::<2>(row, _mm_load_ps(p[r + 8]));
+                _mm512_insertf32x4::<3>(row, _mm_load_ps(p[r + 12]))
+            };
+        }
         let low = _mm512_castps_pd(_mm512_unpacklo_ps(rows[0], rows[1]));
         let high = _mm512_castps_pd(_mm512_unpackhi_ps(rows[0], rows[1]));
         let low2 = _mm512_castps_pd(_mm512_unpacklo_ps(rows[2], rows[3]));
@@ -82,11 +85,14 @@ kernel!(
 kernel!(
     #[inline(always)]
     fn quad_f64x8(token: Avx512, p: Places<f64, 8>) -> [f64x8<Avx512>; 4] {
-        // SAFETY: `Machine::quad` promises that all places hold a quad.
-        let rows: [__m512d; 4] = core::array::from_fn(|r| unsafe {
-            let row = _mm512_castpd256_pd512(_mm256_loadu_pd(p[r]));
-            _mm512_insertf64x4::<1>(row, _mm256_loadu_pd(p[r + 4]))
-        });
+        let mut rows = [_mm512_setzero_pd(); 4];
+        for r in 0..4 {
+            // SAFETY: `Machine::quad` promises that all places hold a quad.
+            rows[r] = unsafe {
+                let row = _mm512_castpd256_pd512(_mm256_loadu_pd(p[r]));
+                _mm512_insertf64x4::<1>(row, _mm256_loadu_pd(p[r + 4]))
+            };
+        }
         let even = _mm512_unpacklo_pd(rows[0], rows[1]);
         let odd = _mm512_unpackhi_pd(rows[0], rows[1]);
         let even2 = _mm512_unpacklo_pd(rows[2], rows[3]);
@@ -104,11 +110,14 @@ kernel!(
 kernel!(
     #[inline(always)]
     fn quad_f32x8(token: Avx2, p: Places<f32, 8>) -> [f32x8<Avx2>; 4] {
-        // SAFETY: `Machine::quad` promises that all places hold a quad.
-        let rows: [__m256; 4] = core::array::from_fn(|r| unsafe {
-            let row = _mm256_castps128_ps256(_mm_load_ps(p[r]));
-            _mm256_insertf128_ps::<1>(row, _mm_load_ps(p[r + 4]))
-        });
+        let mut rows = [_mm256_setzero_ps(); 4];
+        for r in 0..4 {
+            // SAFETY: `Machine::quad` promises that all places hold a quad.
+            rows[r] = unsafe {
+                let row = _mm256_castps128_ps256(_mm_load_ps(p[r]));
+                _mm256_insertf128_ps::<1>(row, _mm_load_ps(p[r + 4]))
+            };
+        }
         let low = _mm256_castps_pd(_mm256_unpacklo_ps(rows[0], rows[1]));
         let high = _mm256_castps_pd(_mm256_unpackhi_ps(rows[0], rows[1]));
         let low2 = _mm256_castps_pd(_mm256_unpacklo_ps(rows[2], rows[3]));
@@ -129,13 +138,11 @@ fn places<E: Real, const N: usize>(
     part: usize,
     numbers: &[E],
 ) -> Places<E, N> {
-    let numbers = &numbers[..N];
-    core::array::from_fn(|l| {
-        quads
-            .as_ptr()
-            .wrapping_add(numbers[l].index() + part)
-            .cast()
-    })
+    let mut places = [core::ptr::null(); N];
+    for (place, number) in places.iter_mut().zip(&numbers[..N]) {
+        *place = quads.as_ptr().wrapping_add(number.index() + part).cast();
+    }
+    places
 }
 
 impl Machine<Avx512, f32> for Estimate {
