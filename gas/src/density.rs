@@ -15,8 +15,8 @@ use nbody::points::sum::{CHUNK, Parts};
 use nbody::points::{Clock, Fault, Population, Vec3};
 use rayon::prelude::*;
 
-use crate::lanes::{Job, Lanes, Machine, Quad, Real, load, same};
-use crate::neighbours::{Frame, Packed, Region, Search};
+use crate::lanes::{Job, Lanes, Machine, Quad, Real, load};
+use crate::neighbours::{Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::viscosity::Flow;
 use crate::workspace::Element;
@@ -116,7 +116,8 @@ impl Gas {
             law: Law::new::<K>(hydro),
             out,
         };
-        let tally = sweep.run::<K>();
+        branches(&self.tree, &mut self.branches);
+        let tally = sweep.run::<K>(&self.branches);
         *E::packed(&mut self.packed) = packed;
         match tally.failed {
             None => Ok(tally.targets),
@@ -161,10 +162,10 @@ fn source<E: Real>(units: &Units, m: f64, v: Vec3, cs: f64, span: u32) -> [Quad<
     } else {
         f64::from(span)
     };
+    let cs = E::from_f64(cs / units.velocity);
     [
-        Quad([zero, zero, zero, E::from_f64(m / units.mass)]),
-        Quad([v.x, v.y, v.z, E::from_f64(cs / units.velocity)]),
-        Quad([E::from_f64(span), zero, zero, zero]),
+        Quad([E::from_f64(m / units.mass), v.x, v.y, v.z]),
+        Quad([cs, E::from_f64(span), zero, zero]),
     ]
 }
 
@@ -214,68 +215,103 @@ struct Sweep<'a, E> {
     out: Out<'a>,
 }
 
-/// The sweep over one leaf.
-struct Leaf<'a, E, K> {
+/// The sweep over the leaves of a branch.
+struct Branch<'a, E, K> {
     sweep: &'a Sweep<'a, E>,
-    leaf: usize,
+    branch: usize,
     region: &'a mut Region<E>,
     pending: &'a mut Vec<Target>,
     kernel: std::marker::PhantomData<K>,
 }
 
-impl<E: Element, K: Kernel> Job<E> for Leaf<'_, E, K> {
+impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
     type Output = Tally;
 
     #[inline(always)]
     fn run<S: Simd, R: Machine<S, E>>(self, simd: S) -> Tally {
         let Self {
             sweep,
-            leaf,
+            branch,
             region,
             pending,
             ..
         } = self;
-        let mut tally = sweep.targets(leaf, pending);
-        while !pending.is_empty() {
-            sweep.gather(simd, leaf, region, pending);
-            let mut left = 0;
-            for k in 0..pending.len() {
-                let mut target = pending[k];
-                match sweep.solve::<K, S, R>(simd, &mut target, region) {
-                    Outcome::Done { local, reach } => sweep.write(target.i, &local, reach),
-                    Outcome::Wider(radius) => {
-                        pending[left] = Target { radius, ..target };
-                        left += 1;
-                    }
-                    Outcome::Failed(reach) => {
-                        let failed = Some((target.i, reach));
-                        tally = tally.and(Tally { targets: 0, failed });
-                    }
+        let nodes = &sweep.frame.tree.nodes;
+        let mut tally = Tally::default();
+        // How far the leaves around have been sought; code units.
+        let mut sought = sweep.reach(branch);
+        (region.around).find(&sweep.frame, branch, sought, &[]);
+        for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
+            tally = tally.and(sweep.targets(leaf, pending));
+            while !pending.is_empty() {
+                let reach = pending.iter().fold(0.0, |reach: f64, t| reach.max(t.radius));
+                if reach * sweep.frame.units.length > sought {
+                    sought = reach * sweep.frame.units.length;
+                    (region.around).find(&sweep.frame, branch, sought, &[]);
                 }
+                sweep.gather(simd, leaf, reach, region, pending);
+                let failed = sweep.settle::<K, S, R>(simd, region, pending);
+                tally = tally.and(Tally { targets: 0, failed });
             }
-            pending.truncate(left);
         }
         tally
     }
 }
 
 impl<E: Element> Sweep<'_, E> {
-    fn run<K: Kernel>(&self) -> Tally {
+    fn run<K: Kernel>(&self, branches: &[u32]) -> Tally {
         let level = Level::new();
-        let leaves = self.frame.tree.leaves.par_iter();
-        let tallies = leaves.map(|&leaf| {
+        let tallies = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
-                let leaf = Leaf::<E, K> {
+                let branch = Branch::<E, K> {
                     sweep: self,
-                    leaf: leaf as usize,
+                    branch: branch as usize,
                     region: &mut space.region,
                     pending: &mut space.pending,
                     kernel: std::marker::PhantomData,
                 };
-                E::run(level, leaf)
+                E::run(level, branch)
             })
         });
         tallies.reduce(Tally::default, Tally::and)
+    }
+
+    fn active(&self, i: usize) -> bool {
+        self.clock.synchronous() || self.end[i] == self.clock.tick
+    }
+
+    /// The largest radius within which the active particles of a branch are to be sought, as far as it is known.
+    fn reach(&self, branch: usize) -> f64 {
+        let range = self.frame.tree.nodes[branch].range();
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let h = unsafe { self.out.h.part(range.clone()) };
+        let active = range.zip(h).filter(|(i, _)| self.active(*i));
+        let largest = active.fold(0.0, |largest: f64, (_, h)| largest.max(*h));
+        (SLACK * largest * self.hydro.support()).min(self.largest * self.frame.units.length)
+    }
+
+    /// Settles what can be settled of `pending`; returns the first particle without a solution.
+    #[inline(always)]
+    fn settle<K: Kernel, S: Simd, R: Machine<S, E>>(
+        &self,
+        simd: S,
+        region: &mut Region<E>,
+        pending: &mut Vec<Target>,
+    ) -> Option<(usize, f64)> {
+        let (mut left, mut first) = (0, None);
+        for k in 0..pending.len() {
+            let mut target = pending[k];
+            match self.solve::<K, S, R>(simd, &mut target, region) {
+                Outcome::Done { local, reach } => self.write(target.i, &local, reach),
+                Outcome::Wider(radius) => {
+                    pending[left] = Target { radius, ..target };
+                    left += 1;
+                }
+                Outcome::Failed(reach) => first = first.or(Some((target.i, reach))),
+            }
+        }
+        pending.truncate(left);
+        first
     }
 
     /// Fills `pending` with the active particles of a leaf.
@@ -283,7 +319,7 @@ impl<E: Element> Sweep<'_, E> {
         let range = self.frame.tree.nodes[leaf].range();
         pending.clear();
         for i in range.clone() {
-            if self.clock.synchronous() || self.end[i] == self.clock.tick {
+            if self.active(i) {
                 pending.push(self.target(i, leaf, &range));
             }
         }
@@ -295,7 +331,7 @@ impl<E: Element> Sweep<'_, E> {
 
     /// Where to begin: at the predicted h, else at the density of the leaf.
     fn target(&self, i: usize, leaf: usize, range: &Range<usize>) -> Target {
-        // SAFETY: a leaf's task alone touches the leaf's particles.
+        // SAFETY: a branch's task alone touches the branch's particles.
         let h = unsafe { self.out.h.part(i..i + 1) }[0];
         let unit = self.frame.units.length;
         let start = if h > 0.0 {
@@ -317,13 +353,12 @@ impl<E: Element> Sweep<'_, E> {
         &self,
         simd: S,
         leaf: usize,
+        reach: f64,
         region: &mut Region<E>,
         pending: &[Target],
     ) {
         let mut span = [[E::from_f64(f64::INFINITY); 3], [E::from_f64(f64::NEG_INFINITY); 3]];
-        let mut reach: f64 = 0.0;
         for target in pending {
-            reach = reach.max(target.radius);
             for (a, x) in self.packed.place(target.i).into_iter().enumerate() {
                 span[0][a] = if x < span[0][a] { x } else { span[0][a] };
                 span[1][a] = if x > span[1][a] { x } else { span[1][a] };
@@ -339,7 +374,6 @@ impl<E: Element> Sweep<'_, E> {
             active: false,
         };
         region.gather(simd, &search);
-        region.fetch::<QUADS>(self.packed, [Quad::default(); QUADS]);
     }
 
     #[inline(always)]
@@ -349,14 +383,8 @@ impl<E: Element> Sweep<'_, E> {
         target: &mut Target,
         region: &mut Region<E>,
     ) -> Outcome {
-        let place = self.packed.place(target.i);
-        region.list::<S, false>(simd, place, target.radius * target.radius, false);
-        let tiny = same::<S, E>(simd, E::TINY);
-        for r in region.r2(simd).chunks_exact_mut(Lanes::<S, E>::LEN) {
-            let r2 = load(simd, r, 0);
-            (r2 * R::inverse_root(simd, r2.max(tiny))).store_slice(r);
-        }
-        let r = region.r2(simd);
+        region.near::<S, R>(simd, self.packed.place(target.i), target.radius);
+        let r = region.distances(simd);
         match (self.law).solve::<K, S, E, R>(simd, r, target.start, target.radius) {
             Trial::Found(reach) => self.sums::<K, S, R>(simd, target.i, (reach, true), region),
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
@@ -379,24 +407,23 @@ impl<E: Element> Sweep<'_, E> {
         simd: S,
         i: usize,
         (reach, free): (f64, bool),
-        region: &mut Region<E>,
+        region: &Region<E>,
     ) -> Outcome {
         let units = &self.frame.units;
         let own = Own {
             row: self.packed.row(i),
-            place: self.packed.place(i),
             reach,
             velocity_step: units.velocity_step / units.velocity,
         };
         let mut sums = Sums::new(simd);
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
             let columns = [
-                region.quad::<S, R>(simd, 0, first),
-                region.quad::<S, R>(simd, 1, first),
-                region.quad::<S, R>(simd, 2, first),
+                region.quad_near::<S, R>(simd, self.packed, 0, first),
+                region.quad_near::<S, R>(simd, self.packed, 1, first),
             ];
-            let r = load(simd, region.r2(simd), first);
-            sums.add::<K, R>(simd, &own, columns, r);
+            let d = region.separations(simd, first);
+            let r = load(simd, region.distances(simd), first);
+            sums.add::<K, R>(simd, &own, columns, d, r);
         }
         let local = sums.local::<R>(&self.law, self.m[i] / units.mass, reach, free);
         Outcome::Done { local, reach }
@@ -413,7 +440,7 @@ impl<E: Element> Sweep<'_, E> {
             h: reach * units.length / self.hydro.support(),
         };
         let (own, out) = (i..i + 1, &self.out);
-        // SAFETY: a leaf's task alone touches the leaf's particles.
+        // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
             out.h.part(own.clone())[0] = flow.h;
             out.alpha.part(own.clone())[0] = self.hydro.viscosity.alpha(flow);

@@ -12,8 +12,8 @@ use nbody::points::sum::Parts;
 use nbody::points::{Clock, Vec3};
 use rayon::prelude::*;
 
-use crate::lanes::{Double, Job, Lanes, Machine, Quad, Real, double_total, same};
-use crate::neighbours::{Frame, Packed, Region, Search};
+use crate::lanes::{Job, Lanes, Machine, Quad, Real, same};
+use crate::neighbours::{Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::workspace::Element;
 use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2};
@@ -107,7 +107,8 @@ impl Gas {
                 wake: Parts::new(&mut self.wake),
             },
         };
-        let targets = sweep.run::<K>();
+        branches(&self.tree, &mut self.branches);
+        let targets = sweep.run::<K>(&self.branches);
         *E::packed(&mut self.packed) = packed;
         targets
     }
@@ -173,7 +174,7 @@ struct Out<'a> {
 /// What a particle gets, times its mass: as a rate, closing and opening.
 struct Sums<S: Simd, E: Real> {
     /// In double precision, so that impulses of pairs cancel.
-    force: [[Double<S>; 3]; 3],
+    force: [[S::f64s; 3]; 3],
     heat: [Lanes<S, E>; 3],
     /// The shortest next step of those that it meets, in ticks; infinite if it meets nobody.
     near: Lanes<S, E>,
@@ -195,53 +196,74 @@ struct Sweep<'a, E> {
     out: Out<'a>,
 }
 
-/// The sweep over one leaf.
-struct Leaf<'a, E, K> {
+/// The sweep over the leaves of a branch.
+struct Branch<'a, E, K> {
     sweep: &'a Sweep<'a, E>,
-    leaf: usize,
+    branch: usize,
     region: &'a mut Region<E>,
     kernel: std::marker::PhantomData<K>,
 }
 
-impl<E: Element, K: Kernel> Job<E> for Leaf<'_, E, K> {
+impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
     type Output = usize;
 
     #[inline(always)]
     fn run<S: Simd, R: Machine<S, E>>(self, simd: S) -> usize {
         let Self {
             sweep,
-            leaf,
+            branch,
             region,
             ..
         } = self;
-        let coarser = sweep.gather(simd, leaf, region);
-        let steps = sweep.steps(coarser);
+        let nodes = &sweep.frame.tree.nodes;
+        let all = sweep.extent[1][branch] >= 0.0;
+        let extent = sweep.extent[usize::from(!all)];
+        (region.around).find(&sweep.frame, branch, sweep.extent[0][branch], extent);
+        if region.around.is_empty() {
+            nodes[branch].range().for_each(|i| sweep.rest(i));
+            return 0;
+        }
         let mut met = 0;
-        for i in sweep.frame.tree.nodes[leaf].range() {
-            let sums = sweep.target::<K, S, R>(simd, i, steps, region);
-            met += usize::from(sweep.write::<S, R>(i, &sums));
+        for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
+            let coarser = sweep.gather(simd, leaf, region);
+            let steps = sweep.steps(coarser);
+            for i in nodes[leaf].range() {
+                let sums = sweep.target::<K, S, R>(simd, i, steps, region);
+                met += usize::from(sweep.write::<S, R>(i, &sums));
+            }
         }
         met
     }
 }
 
 impl<E: Element> Sweep<'_, E> {
-    fn run<K: Kernel>(&self) -> usize {
+    fn run<K: Kernel>(&self, branches: &[u32]) -> usize {
         let level = Level::new();
-        let leaves = self.frame.tree.leaves.par_iter();
-        leaves
-            .map(|&leaf| {
-                E::with_workspace(|space| {
-                    let leaf = Leaf::<E, K> {
-                        sweep: self,
-                        leaf: leaf as usize,
-                        region: &mut space.region,
-                        kernel: std::marker::PhantomData,
-                    };
-                    E::run(level, leaf)
-                })
+        let branches = branches.par_iter().map(|&branch| {
+            E::with_workspace(|space| {
+                let branch = Branch::<E, K> {
+                    sweep: self,
+                    branch: branch as usize,
+                    region: &mut space.region,
+                    kernel: std::marker::PhantomData,
+                };
+                E::run(level, branch)
             })
-            .sum()
+        });
+        branches.sum()
+    }
+
+    /// What a particle gets that meets nobody.
+    fn rest(&self, i: usize) {
+        let (own, out) = (i..i + 1, &self.out);
+        // SAFETY: a branch's task alone touches the branch's particles.
+        unsafe {
+            out.dv_close.part(own.clone())[0] = Vec3::zeros();
+            out.dv_open.part(own.clone())[0] = Vec3::zeros();
+            out.du_close.part(own.clone())[0] = 0.0;
+            out.du_open.part(own.clone())[0] = 0.0;
+            out.wake.part(own)[0] = NEVER;
+        }
     }
 
     fn active(&self, i: usize) -> bool {
@@ -276,7 +298,7 @@ impl<E: Element> Sweep<'_, E> {
             active: !all,
         };
         let far = region.gather(simd, &search);
-        region.fetch_on_grid::<QUADS>(&search, far, nobody())
+        region.fetch::<QUADS>(&search, far, nobody())
     }
 
     #[inline(always)]
@@ -291,10 +313,10 @@ impl<E: Element> Sweep<'_, E> {
         let own = Member::<S, E>::alone::<R>(simd, &row, self.three);
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
-        region.list::<S, true>(simd, place, reach * reach, !self.active(i));
+        region.meet(simd, place, reach * reach, !self.active(i));
         let zero = same::<S, E>(simd, 0.0);
         let mut sums = Sums::<S, E> {
-            force: [[[same::<S, f64>(simd, 0.0); 2]; 3]; 3],
+            force: [[same::<S, f64>(simd, 0.0); 3]; 3],
             heat: [zero; 3],
             near: same::<S, E>(simd, f64::INFINITY),
         };
@@ -328,10 +350,10 @@ impl<E: Element> Sweep<'_, E> {
         } else {
             NEVER
         };
-        let force = |n: usize| Vec3::from_fn(|a, _| double_total::<S>(sums.force[n][a]));
+        let force = |n: usize| Vec3::from_fn(|a, _| R::double_total(sums.force[n][a]));
         let heat = |n: usize| units.velocity * R::total(sums.heat[n]);
         let (own, out) = (i..i + 1, &self.out);
-        // SAFETY: a leaf's task alone touches the leaf's particles.
+        // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
             if self.active(i) {
                 out.hydro.part(own.clone())[0] = by_mass * force(0);

@@ -18,9 +18,6 @@ pub const MOST: usize = 16;
 #[repr(C, align(16))]
 pub struct Quad<E>(pub [E; 4]);
 
-/// Lanes in double precision: all of an f64 vector, or the two halves of an f32 vector.
-pub type Double<S> = [<S as Simd>::f64s; 2];
-
 /// f32 or f64.
 pub trait Real: SimdFloatElement + Default + Send + Sync + 'static {
     /// Relative spacing of numbers.
@@ -40,12 +37,14 @@ pub trait Real: SimdFloatElement + Default + Send + Sync + 'static {
     fn numbers<S: Simd>(simd: S, first: usize, stride: usize) -> Lanes<S, Self>;
     /// A coordinate counted in steps of the grid.
     fn place(steps: f64) -> Self;
-    /// A coordinate moved by an offset, both in steps of the grid, on a grid 2^`coarser` times coarser.
-    fn moved(place: Self, offset: f64, coarser: i32) -> Self;
+    /// An offset of coordinates counted in steps, a whole number on a grid.
+    fn offset(steps: [f64; 3]) -> [f64; 3];
+    /// A quad whose first three values, coordinates in steps, are moved by an offset, on a grid 2^`coarser` times coarser.
+    fn moved(quad: Quad<Self>, offset: [f64; 3], coarser: i32) -> Quad<Self>;
     /// The difference of coordinates in steps: exact for f32, but for one rounding.
     fn apart<S: Simd>(simd: S, there: Lanes<S, Self>, here: Self) -> Lanes<S, Self>;
     /// Adds to sums in double precision.
-    fn accumulate<S: Simd>(sum: &mut Double<S>, value: Lanes<S, Self>);
+    fn accumulate<S: Simd>(sum: &mut S::f64s, value: Lanes<S, Self>);
     /// Runs `job` with the best instructions up to `level`.
     fn run<J: Job<Self>>(level: Level, job: J) -> J::Output;
 }
@@ -72,6 +71,19 @@ pub trait Machine<S: Simd, E: Real> {
 
     /// Sum over the lanes.
     fn total(v: Lanes<S, E>) -> f64;
+
+    /// Sums over the lanes of four vectors.
+    #[inline(always)]
+    fn totals(v: [Lanes<S, E>; 4]) -> [f64; 4] {
+        let [a, b, c, d] = v;
+        [Self::total(a), Self::total(b), Self::total(c), Self::total(d)]
+    }
+
+    /// Sum over the lanes in double precision.
+    #[inline(always)]
+    fn double_total(v: S::f64s) -> f64 {
+        v.as_slice().iter().fold(0.0, |sum, x| sum + x)
+    }
 }
 
 /// The same value in all lanes.
@@ -84,13 +96,6 @@ pub fn same<S: Simd, E: Real>(simd: S, value: f64) -> Lanes<S, E> {
 #[inline(always)]
 pub fn load<S: Simd, E: Real>(simd: S, column: &[E], k: usize) -> Lanes<S, E> {
     Lanes::<S, E>::from_slice(simd, &column[k..k + Lanes::<S, E>::LEN])
-}
-
-/// Sum of lanes in double precision.
-#[inline(always)]
-pub fn double_total<S: Simd>(sum: Double<S>) -> f64 {
-    let both = sum[0] + sum[1];
-    both.as_slice().iter().fold(0.0, |sum, x| sum + x)
 }
 
 /// Square root, division and one load a value, for all instruction sets.
@@ -197,13 +202,23 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn moved(place: Self, offset: f64, coarser: i32) -> Self {
-        let steps = place.to_bits() as i32;
+    fn offset(steps: [f64; 3]) -> [f64; 3] {
+        steps.map(f64::round)
+    }
+
+    #[inline(always)]
+    fn moved(mut quad: Quad<Self>, [x, y, z]: [f64; 3], coarser: i32) -> Quad<Self> {
         if coarser == 0 {
-            f32::from_bits(steps.wrapping_add(offset as i32) as u32)
+            for (value, offset) in quad.0.iter_mut().zip([x, y, z, 0.0]) {
+                *value = f32::from_bits(value.to_bits().wrapping_add(offset as i32 as u32));
+            }
         } else {
-            Self::place((f64::from(steps) + offset) * 0.5f64.powi(coarser))
+            for (value, offset) in quad.0.iter_mut().zip([x, y, z]) {
+                let steps = f64::from(value.to_bits() as i32) + offset;
+                *value = Self::place(steps * 0.5f64.powi(coarser));
+            }
         }
+        quad
     }
 
     #[inline(always)]
@@ -212,10 +227,9 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn accumulate<S: Simd>(sum: &mut Double<S>, value: S::f32s) {
+    fn accumulate<S: Simd>(sum: &mut S::f64s, value: S::f32s) {
         let (low, high) = value.widen();
-        sum[0] += low;
-        sum[1] += high;
+        *sum += low + high;
     }
 
     runs!(Estimate);
@@ -257,8 +271,16 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn moved(place: Self, offset: f64, _coarser: i32) -> Self {
-        place + offset
+    fn offset(steps: [f64; 3]) -> [f64; 3] {
+        steps
+    }
+
+    #[inline(always)]
+    fn moved(mut quad: Quad<Self>, [x, y, z]: [f64; 3], _coarser: i32) -> Quad<Self> {
+        for (value, offset) in quad.0.iter_mut().zip([x, y, z]) {
+            *value += offset;
+        }
+        quad
     }
 
     #[inline(always)]
@@ -267,8 +289,8 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn accumulate<S: Simd>(sum: &mut Double<S>, value: S::f64s) {
-        sum[0] += value;
+    fn accumulate<S: Simd>(sum: &mut S::f64s, value: S::f64s) {
+        *sum += value;
     }
 
     runs!(Exact);

@@ -6,6 +6,7 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 use nbody::points::sum::Parts;
+use nbody::points::tree::Node;
 use nbody::points::{Domain, Tree, Vec3};
 use rayon::prelude::*;
 
@@ -42,9 +43,7 @@ impl Frame<'_> {
             while i < nodes.len() {
                 let node = &nodes[i];
                 let own = extent.get(i).copied().unwrap_or(0.0);
-                let reach = reach.max(own);
-                let gap = (node.lo - hi).sup(&(lo - node.hi)).sup(&Vec3::zeros());
-                if own < 0.0 || gap.norm_squared() > reach * reach {
+                if own < 0.0 || gap2(node, lo, hi) > reach.max(own).powi(2) {
                     i = node.skip as usize;
                 } else {
                     i += 1;
@@ -54,6 +53,35 @@ impl Frame<'_> {
                 }
             }
         });
+    }
+}
+
+/// Square of the distance between a node and the box [lo, hi].
+#[inline(always)]
+fn gap2(node: &Node, lo: Vec3, hi: Vec3) -> f64 {
+    let mut sum = 0.0;
+    for a in 0..3 {
+        let gap = (node.lo[a] - hi[a]).max(lo[a] - node.hi[a]).max(0.0);
+        sum += gap * gap;
+    }
+    sum
+}
+
+/// Particles that leaves share one walk through the tree for.
+const BRANCH: usize = 256;
+
+/// Fills `branches` with the largest nodes of at most [`BRANCH`] particles, and the leaves that are larger.
+pub fn branches(tree: &Tree, branches: &mut Vec<u32>) {
+    branches.clear();
+    let mut i = 0;
+    while i < tree.nodes.len() {
+        let node = &tree.nodes[i];
+        if node.count() <= BRANCH || tree.is_leaf(i) {
+            branches.push(i as u32);
+            i = node.skip as usize;
+        } else {
+            i += 1;
+        }
     }
 }
 
@@ -138,19 +166,48 @@ pub struct Search<'a, E> {
     pub active: bool,
 }
 
+/// Leaves near a branch of the tree, each with the shift that brings it there.
+#[derive(Debug, Default)]
+pub struct Around {
+    leaves: Vec<(u32, Vec3)>,
+}
+
+impl Around {
+    /// Finds the leaves within max(`reach`, own reach) of a branch; all in code units.
+    pub fn find(&mut self, frame: &Frame, branch: usize, reach: f64, extent: &[f64]) {
+        self.leaves.clear();
+        let node = &frame.tree.nodes[branch];
+        let leaves = &mut self.leaves;
+        // A hair more, for what rounding moves.
+        let slack = Vec3::repeat(1e-6 * frame.units.length);
+        frame.near(
+            (node.lo - slack, node.hi + slack),
+            reach,
+            extent,
+            |leaf, shift| leaves.push((leaf, shift)),
+        );
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.leaves.is_empty()
+    }
+}
+
 /// A leaf that is near, and the end of its candidates.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     node: u32,
-    shift: Vec3,
+    /// Offset of its middle.
+    offset: Vec3,
     end: u32,
 }
 
 /// The particles that may be neighbours of some targets, and those that are neighbours of one.
 #[derive(Debug, Default)]
 pub struct Region<E> {
+    pub around: Around,
     runs: Vec<Run>,
-    /// Numbers of the candidates among all particles, as bits.
+    /// Numbers of the candidates among all particles' quads, as bits.
     index: Vec<E>,
     x: [Vec<E>; 3],
     /// Square of the candidate's own reach, with a margin; negative if it is not active.
@@ -159,12 +216,10 @@ pub struct Region<E> {
     quads: Vec<Quad<E>>,
     stride: usize,
     numbers: Vec<E>,
-    r2: Vec<E>,
+    /// Separations and distances of those listed.
+    d: [Vec<E>; 4],
     count: usize,
 }
-
-/// What separations count that are no neighbours: beyond any kernel.
-const FAR: f64 = 1e30;
 
 impl<E: Real> Region<E> {
     /// The margin for rounding at distances of `far`.
@@ -172,28 +227,33 @@ impl<E: Real> Region<E> {
         8.0 * E::EPSILON * far
     }
 
-    /// Gathers all particles within max(reach, own reach) of the box; returns the largest of these.
+    /// Gathers all particles of the leaves around within max(reach, own reach) of the box; returns the largest of these.
     #[inline(always)]
     pub fn gather<S: Simd>(&mut self, simd: S, search: &Search<'_, E>) -> f64 {
         let Search { frame, leaf, .. } = *search;
         let unit = frame.units.length;
         let origin = frame.centre(leaf);
-        let absolute = |side: usize| {
-            Vec3::from_fn(|a, _| origin[a] + unit * search.span[side][a].to_f64())
-        };
+        let slack = Self::margin(unit);
+        let (mut lo, mut hi) = (origin, origin);
+        for a in 0..3 {
+            lo[a] += unit * search.span[0][a].to_f64() - slack;
+            hi[a] += unit * search.span[1][a].to_f64() + slack;
+        }
         let (reach, mut visited) = (unit * search.reach, 0);
         self.runs.clear();
-        let runs = &mut self.runs;
-        let slack = Vec3::repeat(Self::margin(unit));
-        let span = (absolute(0) - slack, absolute(1) + slack);
-        frame.near(span, reach, search.extent, |node, shift| {
-            visited += frame.tree.nodes[node as usize].count();
-            runs.push(Run {
-                node,
-                shift,
-                end: 0,
-            });
-        });
+        for &(leaf, shift) in &self.around.leaves {
+            let node = &frame.tree.nodes[leaf as usize];
+            let own = search.extent.get(leaf as usize).copied().unwrap_or(0.0);
+            let far = reach.max(own);
+            if own >= 0.0 && gap2(node, lo - shift, hi - shift) <= far * far {
+                visited += node.count();
+                self.runs.push(Run {
+                    node: leaf,
+                    offset: frame.domain.in_plane(frame.centre(leaf as usize) + shift - origin),
+                    end: 0,
+                });
+            }
+        }
         let room = visited + MOST;
         let columns = self.x.iter_mut().chain([&mut self.index, &mut self.limit]);
         for column in columns {
@@ -205,7 +265,7 @@ impl<E: Real> Region<E> {
         self.count = 0;
         let mut far = same::<S, E>(simd, 0.0);
         for run in 0..self.runs.len() {
-            far = self.sift(simd, search, origin, run, far);
+            far = self.sift(simd, search, run, far);
         }
         far.as_slice().iter().fold(0.0, |far, x| far.max(x.to_f64()))
     }
@@ -216,15 +276,13 @@ impl<E: Real> Region<E> {
         &mut self,
         simd: S,
         search: &Search<'_, E>,
-        origin: Vec3,
         run: usize,
         mut farthest: Lanes<S, E>,
     ) -> Lanes<S, E> {
         let Search { frame, packed, .. } = *search;
-        let Run { node, shift, .. } = self.runs[run];
+        let Run { node, offset, .. } = self.runs[run];
         let range = frame.tree.nodes[node as usize].range();
-        let offset = (frame.domain).in_plane(frame.centre(node as usize) + shift - origin)
-            / frame.units.length;
+        let offset = offset / frame.units.length;
         let lo = splat(simd, search.span[0]);
         let hi = splat(simd, search.span[1]);
         let reach = same::<S, E>(simd, search.reach);
@@ -259,7 +317,7 @@ impl<E: Real> Region<E> {
             let bits = inside.to_bitmask() & left;
             let inside = SimdMask::from_bitmask(simd, bits);
             farthest = farthest.max(Select::select(inside, far, zero));
-            let index = E::numbers(simd, first, 1);
+            let index = E::numbers(simd, first * packed.stride, packed.stride);
             store(index.compress(inside), &mut self.index, at);
             for (x, column) in x.into_iter().zip(&mut self.x) {
                 store(x.compress(inside), column, at);
@@ -276,24 +334,10 @@ impl<E: Real> Region<E> {
         farthest
     }
 
-    /// Fetches the rows of the candidates, the first three values of each being their coordinates; `nobody` fills up lists.
+    /// Fetches the rows of the candidates, whose first quad begins with coordinates on the grid; `nobody` fills up lists. Returns how many
+    /// times the grid is doubled for what is as far as `far`.
     #[inline(always)]
-    pub fn fetch<const Q: usize>(&mut self, packed: &Packed<E>, nobody: [Quad<E>; Q]) {
-        assert!(packed.stride == Q);
-        self.room::<Q>();
-        let rows = self.quads.as_chunks_mut::<Q>().0;
-        for (k, row) in rows.iter_mut().enumerate().take(self.len) {
-            *row = packed.row(self.index[k].index());
-            for (value, x) in row[0].0.iter_mut().zip(&self.x) {
-                *value = x[k];
-            }
-        }
-        rows[self.len] = nobody;
-    }
-
-    /// As [`Region::fetch`], but with the coordinates on the grid; returns how many times the grid is doubled for what is as far as `far`.
-    #[inline(always)]
-    pub fn fetch_on_grid<const Q: usize>(
+    pub fn fetch<const Q: usize>(
         &mut self,
         search: &Search<'_, E>,
         far: f64,
@@ -301,96 +345,128 @@ impl<E: Real> Region<E> {
     ) -> i32 {
         let Search { frame, packed, .. } = *search;
         assert!(packed.stride == Q);
-        let origin = frame.centre(search.leaf);
         let step = frame.units.step;
         let widest = search.span.iter().flatten();
         let widest = widest.fold(far, |w, x| w.max(far + x.to_f64().abs()));
         let room = E::STEPS * step.min() / frame.units.length;
         let coarser = (widest / room).log2().ceil().max(0.0) as i32;
-        self.room::<Q>();
-        let rows = self.quads.as_chunks_mut::<Q>().0;
-        let mut start = 0;
-        for run in &self.runs {
-            let moved = frame.centre(run.node as usize) + run.shift - origin;
-            let offset = frame.domain.in_plane(moved).component_div(&step);
-            let offset = if E::STEPS.is_finite() {
-                offset.map(f64::round)
-            } else {
-                offset
-            };
-            for k in start..run.end as usize {
-                let mut row: [Quad<E>; Q] = packed.row(self.index[k].index());
-                for (value, &offset) in row[0].0.iter_mut().zip(&offset) {
-                    *value = E::moved(*value, offset, coarser);
-                }
-                rows[k] = row;
-            }
-            start = run.end as usize;
-        }
-        rows[self.len] = nobody;
-        coarser
-    }
-
-    fn room<const Q: usize>(&mut self) {
         self.stride = Q;
         let room = (self.len + 1) * Q;
         if self.quads.len() < room {
             self.quads.resize(room, Quad::default());
         }
+        let rows = self.quads.as_chunks_mut::<Q>().0;
+        let mut start = 0;
+        for run in &self.runs {
+            let end = run.end as usize;
+            let offset = run.offset.component_div(&step);
+            let offset = E::offset([offset.x, offset.y, offset.z]);
+            for (row, index) in rows[start..end].iter_mut().zip(&self.index[start..end]) {
+                let first = index.index();
+                row.copy_from_slice(&packed.quads[first..first + Q]);
+                row[0] = E::moved(row[0], offset, coarser);
+            }
+            start = end;
+        }
+        rows[self.len] = nobody;
+        coarser
+    }
+
+    /// Makes room for lists of all candidates.
+    #[inline(always)]
+    fn room(&mut self) {
+        let room = self.len + 2 * MOST;
+        if self.numbers.len() < room {
+            self.numbers.resize(room, E::default());
+            for d in &mut self.d {
+                d.resize(room, E::default());
+            }
+        }
+    }
+
+    /// Lists the candidates within `radius` of `place`: their numbers among all particles, separations and distances.
+    #[inline(always)]
+    pub fn near<S: Simd, R: Machine<S, E>>(&mut self, simd: S, place: [E; 3], radius: f64) {
+        self.room();
+        let place = splat(simd, place);
+        let limit = same::<S, E>(simd, radius * radius * (1.0 + Self::margin(1.0)));
+        let lanes = Lanes::<S, E>::LEN;
+        let (mut first, mut count) = (0, 0);
+        let end = self.len.next_multiple_of(lanes);
+        let [x, y, z] = self.x.each_ref().map(|x| &x[..end]);
+        let index = &self.index[..end];
+        while first < end {
+            let d = [
+                load(simd, x, first) - place[0],
+                load(simd, y, first) - place[1],
+                load(simd, z, first) - place[2],
+            ];
+            let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0] * d[0]));
+            let mut bits = r2.simd_lt(limit).to_bitmask();
+            if first + lanes > self.len {
+                bits &= (1 << (self.len - first)) - 1;
+            }
+            let inside = SimdMask::from_bitmask(simd, bits);
+            store(load(simd, index, first).compress(inside), &mut self.numbers, count);
+            store(d[0].compress(inside), &mut self.d[0], count);
+            store(d[1].compress(inside), &mut self.d[1], count);
+            store(d[2].compress(inside), &mut self.d[2], count);
+            count += bits.count_ones() as usize;
+            first += lanes;
+        }
+        self.count = count;
+        // Filled up by the last one, at a distance beyond any kernel.
+        if count > 0 {
+            let last = Lanes::<S, E>::splat(simd, self.numbers[count - 1]);
+            store(last, &mut self.numbers, count);
+        }
+        for d in &mut self.d {
+            store(same::<S, E>(simd, FAR), d, count);
+        }
+        let tiny = same::<S, E>(simd, E::TINY);
+        for first in (0..count).step_by(lanes) {
+            let [x, y, z] = [0, 1, 2].map(|a| load(simd, &self.d[a], first));
+            let r2 = z.mul_add(z, y.mul_add(y, x * x));
+            let r = r2 * R::inverse_root(simd, r2.max(tiny));
+            store(r, &mut self.d[3], first);
+        }
     }
 
     /// Lists the candidates at r^2 < `limit` from `place`, or within their own reach; where `active`, only those that are.
     #[inline(always)]
-    pub fn list<S: Simd, const OWN: bool>(
-        &mut self,
-        simd: S,
-        place: [E; 3],
-        limit: f64,
-        active: bool,
-    ) {
-        let lanes = Lanes::<S, E>::LEN;
-        let room = self.len + 2 * MOST;
-        if self.numbers.len() < room {
-            self.numbers.resize(room, E::default());
-            self.r2.resize(room, E::default());
-        }
+    pub fn meet<S: Simd>(&mut self, simd: S, place: [E; 3], limit: f64, active: bool) {
+        self.room();
         let place = splat(simd, place);
         let limit = same::<S, E>(simd, limit * (1.0 + Self::margin(1.0)));
-        let end = self.len;
-        let x = self.x.each_ref().map(|x| &x[..end.next_multiple_of(lanes)]);
-        let own = &self.limit[..if OWN { end.next_multiple_of(lanes) } else { 0 }];
-        let mut count = 0;
-        let mut first = 0;
+        let lanes = Lanes::<S, E>::LEN;
+        let (mut first, mut count) = (0, 0);
+        let end = self.len.next_multiple_of(lanes);
+        let [x, y, z] = self.x.each_ref().map(|x| &x[..end]);
+        let own = &self.limit[..end];
         while first < end {
             let d = [
-                load(simd, x[0], first) - place[0],
-                load(simd, x[1], first) - place[1],
-                load(simd, x[2], first) - place[2],
+                load(simd, x, first) - place[0],
+                load(simd, y, first) - place[1],
+                load(simd, z, first) - place[2],
             ];
             let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0] * d[0]));
-            let mut inside = r2.simd_lt(if OWN {
-                load(simd, own, first).abs().max(limit)
-            } else {
-                limit
-            });
-            if OWN && active {
-                inside &= load(simd, own, first).simd_gt(same::<S, E>(simd, 0.0));
+            let own = load(simd, own, first);
+            let mut inside = r2.simd_lt(own.abs().max(limit));
+            if active {
+                inside &= own.simd_gt(same::<S, E>(simd, 0.0));
             }
-            let bits = inside.to_bitmask();
             let numbers = E::numbers(simd, first * self.stride, self.stride);
             store(numbers.compress(inside), &mut self.numbers, count);
-            store(r2.compress(inside), &mut self.r2, count);
-            count += bits.count_ones() as usize;
+            count += inside.to_bitmask().count_ones() as usize;
             first += lanes;
         }
         // What stands behind the last candidate is near nobody.
-        while count > 0 && self.numbers[count - 1].index() >= end * self.stride {
+        while count > 0 && self.numbers[count - 1].index() >= self.len * self.stride {
             count -= 1;
         }
         self.count = count;
-        let nobody = Lanes::<S, E>::splat(simd, E::number(end * self.stride));
-        store(nobody, &mut self.numbers, count);
-        store(same::<S, E>(simd, FAR), &mut self.r2, count);
+        let nobody = E::number(self.len * self.stride);
+        store(Lanes::<S, E>::splat(simd, nobody), &mut self.numbers, count);
     }
 
     /// Number of neighbours listed.
@@ -398,13 +474,38 @@ impl<E: Real> Region<E> {
         self.count
     }
 
-    /// Squares of the neighbours' distances, filled up to whole lanes.
+    /// Distances of those that [`Region::near`] listed, filled up to whole lanes.
     #[inline(always)]
-    pub fn r2<S: Simd>(&mut self, _simd: S) -> &mut [E] {
-        &mut self.r2[..self.count.next_multiple_of(Lanes::<S, E>::LEN)]
+    pub fn distances<S: Simd>(&self, _simd: S) -> &[E] {
+        &self.d[3][..self.count.next_multiple_of(Lanes::<S, E>::LEN)]
     }
 
-    /// One quad of the rows of the neighbours from `first` on.
+    /// Separations of those that [`Region::near`] listed, from `first` on.
+    #[inline(always)]
+    pub fn separations<S: Simd>(&self, simd: S, first: usize) -> [Lanes<S, E>; 3] {
+        [
+            load(simd, &self.d[0], first),
+            load(simd, &self.d[1], first),
+            load(simd, &self.d[2], first),
+        ]
+    }
+
+    /// One quad of the rows of those that [`Region::near`] listed, from `first` on.
+    #[inline(always)]
+    pub fn quad_near<S: Simd, R: Machine<S, E>>(
+        &self,
+        simd: S,
+        packed: &Packed<E>,
+        part: usize,
+        first: usize,
+    ) -> [Lanes<S, E>; 4] {
+        let numbers = &self.numbers[first..first + Lanes::<S, E>::LEN];
+        assert!(part < packed.stride && first < self.count);
+        // SAFETY: `near` lists numbers of rows of the packed particles, of `stride` quads each, and fills up with one of them.
+        unsafe { R::quad(simd, &packed.quads, part, numbers) }
+    }
+
+    /// One quad of the rows of those that [`Region::meet`] listed, from `first` on.
     #[inline(always)]
     pub fn quad<S: Simd, R: Machine<S, E>>(
         &self,
@@ -414,10 +515,13 @@ impl<E: Real> Region<E> {
     ) -> [Lanes<S, E>; 4] {
         let numbers = &self.numbers[first..first + Lanes::<S, E>::LEN];
         assert!(part < self.stride && first < self.count);
-        // SAFETY: a list holds numbers of rows of the region, of `stride` quads each, and is filled up by the row behind the last.
+        // SAFETY: `meet` lists numbers of rows of the region, of `stride` quads each, and fills up with the row behind the last.
         unsafe { R::quad(simd, &self.quads, part, numbers) }
     }
 }
+
+/// What separations count that are no neighbours: beyond any kernel.
+const FAR: f64 = 1e15;
 
 /// Each coordinate in all lanes.
 #[inline(always)]

@@ -102,6 +102,8 @@ pub struct Gas {
     pub(crate) active_extent: Vec<f64>,
     /// The tick by which a neighbour wants each particle to end its step; of the last force sweep.
     pub(crate) wake: Vec<u32>,
+    /// Nodes of the tree that sweeps work on one by one.
+    pub(crate) branches: Vec<u32>,
     /// All gas as the sweeps see it.
     pub(crate) packed: Both,
     /// Size of the leaves altogether when the gas was sorted.

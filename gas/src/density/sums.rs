@@ -7,8 +7,8 @@ use super::law::Law;
 use crate::Kernel;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
 
-/// Quads of a row: coordinates and mass; velocity and sound speed; step.
-pub const QUADS: usize = 3;
+/// Quads of a row: mass and velocity; sound speed and step.
+pub const QUADS: usize = 2;
 
 /// What the sums say of a particle.
 pub struct Local {
@@ -37,7 +37,6 @@ pub struct Sums<S: Simd, E: Real> {
 /// The particle that the sums are about.
 pub struct Own<E> {
     pub row: [Quad<E>; QUADS],
-    pub place: [E; 3],
     /// H.
     pub reach: f64,
     /// Units of velocity a step of velocity.
@@ -61,19 +60,18 @@ impl<S: Simd, E: Real> Sums<S, E> {
         }
     }
 
-    /// Adds some neighbours: their columns and distances `r`.
+    /// Adds some neighbours: their columns, separations `d` and distances `r`.
     #[inline(always)]
     pub fn add<K: Kernel, R: Machine<S, E>>(
         &mut self,
         simd: S,
         own: &Own<E>,
         columns: [[Lanes<S, E>; 4]; QUADS],
+        d: [Lanes<S, E>; 3],
         r: Lanes<S, E>,
     ) {
-        let [[x, y, z, m], [v_x, v_y, v_z, cs], [span, ..]] = columns;
-        let [_, Quad([.., cs_i]), _] = own.row;
-        let d = [x - own.place[0], y - own.place[1], z - own.place[2]];
-        let v = own.row[1].0;
+        let [[m, v_x, v_y, v_z], [cs, span, ..]] = columns;
+        let [Quad([_, v @ ..]), Quad([cs_i, ..])] = own.row;
         let step = same::<S, E>(simd, own.velocity_step);
         let dv = [
             E::apart(simd, v_x, v[0]) * step,
@@ -110,24 +108,33 @@ impl<S: Simd, E: Real> Sums<S, E> {
     /// What the sums say; `m` is the mass of the particle, `free` whether H follows the particles.
     #[inline(always)]
     pub fn local<R: Machine<S, E>>(&self, law: &Law, m: f64, reach: f64, free: bool) -> Local {
-        let mass = R::total(self.mass) - law.excess * m;
+        let [mass, slope, mass_slope, div] =
+            R::totals([self.mass, self.slope, self.mass_slope, self.div]);
+        let [mass_x, mass_y, mass_z, mass_div] = R::totals([
+            self.mass_curl[0],
+            self.mass_curl[1],
+            self.mass_curl[2],
+            self.mass_div,
+        ]);
+        let [x, y, z, _] = R::totals([self.curl[0], self.curl[1], self.curl[2], self.div]);
+        let mass = mass - law.excess * m;
         let g = if free {
-            (R::total(self.mass_slope) - law.d * mass) / R::total(self.slope)
+            (mass_slope - law.d * mass) / slope
         } else {
             0.0
         };
         let volume = reach.powi(law.d as i32);
         let rho = law.norm / volume * mass;
         let scale = law.norm / (volume * reach * reach * rho);
-        let curl = |a: usize| R::total(self.mass_curl[a]) - g * R::total(self.curl[a]);
+        let curl = Vec3::new(mass_x - g * x, mass_y - g * y, mass_z - g * z);
         let fold = |v: Lanes<S, E>, from: f64, pick: fn(f64, f64) -> f64| {
             (v.as_slice().iter()).fold(from, |x, lane| pick(x, lane.to_f64()))
         };
         Local {
             rho,
             g,
-            div_v: -scale * (R::total(self.mass_div) - g * R::total(self.div)),
-            curl_v: scale * Vec3::from_fn(|a, _| curl(a)).norm(),
+            div_v: -scale * (mass_div - g * div),
+            curl_v: scale * curl.norm(),
             v_sig: fold(self.v_sig, 0.0, f64::max),
             near_span: fold(self.near_span, f64::INFINITY, f64::min),
         }

@@ -54,6 +54,50 @@ kernel!(
     }
 );
 
+kernel!(
+    #[inline(always)]
+    fn totals_f32x16(
+        _token: Avx512,
+        a: f32x16<Avx512>,
+        b: f32x16<Avx512>,
+        c: f32x16<Avx512>,
+        d: f32x16<Avx512>,
+    ) -> __m128 {
+        let (a, b, c, d): (__m512, __m512, __m512, __m512) = (a.into(), b.into(), c.into(), d.into());
+        let ab = _mm512_add_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
+        let cd = _mm512_add_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
+        let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+        let low = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
+        let high = _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd));
+        let all = _mm512_add_ps(low, high);
+        let half = _mm256_add_ps(_mm512_castps512_ps256(all), _mm512_extractf32x8_ps::<1>(all));
+        _mm_add_ps(_mm256_castps256_ps128(half), _mm256_extractf128_ps::<1>(half))
+    }
+);
+kernel!(
+    #[inline(always)]
+    fn totals_f32x8(
+        _token: Avx2,
+        a: f32x8<Avx2>,
+        b: f32x8<Avx2>,
+        c: f32x8<Avx2>,
+        d: f32x8<Avx2>,
+    ) -> __m128 {
+        let ab = _mm256_hadd_ps(a.into(), b.into());
+        let cd = _mm256_hadd_ps(c.into(), d.into());
+        let all = _mm256_hadd_ps(ab, cd);
+        _mm_add_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps::<1>(all))
+    }
+);
+
+/// Four values in double precision.
+#[inline(always)]
+fn four(v: __m128) -> [f64; 4] {
+    // SAFETY: both are four f32 in a row.
+    let v: [f32; 4] = unsafe { core::mem::transmute(v) };
+    [f64::from(v[0]), f64::from(v[1]), f64::from(v[2]), f64::from(v[3])]
+}
+
 /// Where quads stand in memory.
 type Places<E, const N: usize> = [*const E; N];
 
@@ -172,6 +216,16 @@ impl Machine<Avx512, f32> for Estimate {
     fn total(v: f32x16<Avx512>) -> f64 {
         total_f32x16(v.token(), v)
     }
+
+    #[inline(always)]
+    fn totals([a, b, c, d]: [f32x16<Avx512>; 4]) -> [f64; 4] {
+        four(totals_f32x16(a.token(), a, b, c, d))
+    }
+
+    #[inline(always)]
+    fn double_total(v: f64x8<Avx512>) -> f64 {
+        total_f64x8(v.token(), v)
+    }
 }
 
 impl Machine<Avx512, f64> for Estimate {
@@ -200,6 +254,11 @@ impl Machine<Avx512, f64> for Estimate {
 
     #[inline(always)]
     fn total(v: f64x8<Avx512>) -> f64 {
+        total_f64x8(v.token(), v)
+    }
+
+    #[inline(always)]
+    fn double_total(v: f64x8<Avx512>) -> f64 {
         total_f64x8(v.token(), v)
     }
 }
@@ -232,5 +291,10 @@ impl Machine<Avx2, f32> for Estimate {
         let (low, high) = v.token().split_f32x8(v);
         let s = low + high;
         f64::from((s[0] + s[1]) + (s[2] + s[3]))
+    }
+
+    #[inline(always)]
+    fn totals([a, b, c, d]: [f32x8<Avx2>; 4]) -> [f64; 4] {
+        four(totals_f32x8(a.token(), a, b, c, d))
     }
 }
