@@ -113,6 +113,8 @@ impl Gas {
             cs: &derived.cs,
             u: &self.rates.u_pred,
             largest: hydro.largest_reach(extent) / units.length,
+            density: units.mass / units.length.powi(hydro.dimensions() as i32),
+            h_by_reach: units.length / hydro.support(),
             law: Law::new::<K>(hydro),
             out,
         };
@@ -211,6 +213,9 @@ struct Sweep<'a, E> {
     u: &'a [f64],
     /// The largest H.
     largest: f64,
+    /// Code units a unit of density, and smoothing length in code units a unit of H.
+    density: f64,
+    h_by_reach: f64,
     law: Law,
     out: Out<'a>,
 }
@@ -221,6 +226,8 @@ struct Branch<'a, E, K> {
     branch: usize,
     region: &'a mut Region<E>,
     pending: &'a mut Vec<Target>,
+    /// How far the leaves around have been sought, code units.
+    sought: f64,
     kernel: std::marker::PhantomData<K>,
 }
 
@@ -234,13 +241,11 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
             branch,
             region,
             pending,
+            mut sought,
             ..
         } = self;
         let nodes = &sweep.frame.tree.nodes;
         let mut tally = Tally::default();
-        // How far the leaves around have been sought; code units.
-        let mut sought = sweep.reach(branch);
-        (region.around).find(&sweep.frame, branch, sought, &[]);
         for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
             tally = tally.and(sweep.targets(leaf, pending));
             while !pending.is_empty() {
@@ -263,11 +268,15 @@ impl<E: Element> Sweep<'_, E> {
         let level = Level::new();
         let tallies = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
+                let branch = branch as usize;
+                let sought = self.reach(branch);
+                (space.region.around).find(&self.frame, branch, sought, &[]);
                 let branch = Branch::<E, K> {
                     sweep: self,
-                    branch: branch as usize,
+                    branch,
                     region: &mut space.region,
                     pending: &mut space.pending,
+                    sought,
                     kernel: std::marker::PhantomData,
                 };
                 E::run(level, branch)
@@ -287,7 +296,7 @@ impl<E: Element> Sweep<'_, E> {
         let h = unsafe { self.out.h.part(range.clone()) };
         let active = range.zip(h).filter(|(i, _)| self.active(*i));
         let largest = active.fold(0.0, |largest: f64, (_, h)| largest.max(*h));
-        (SLACK * largest * self.hydro.support()).min(self.largest * self.frame.units.length)
+        (SLACK * largest / self.h_by_reach).min(self.largest) * self.frame.units.length
     }
 
     /// Settles what can be settled of `pending`; returns the first particle without a solution.
@@ -314,6 +323,7 @@ impl<E: Element> Sweep<'_, E> {
         first
     }
 
+    #[inline(always)]
     /// Fills `pending` with the active particles of a leaf.
     fn targets(&self, leaf: usize, pending: &mut Vec<Target>) -> Tally {
         let range = self.frame.tree.nodes[leaf].range();
@@ -329,13 +339,14 @@ impl<E: Element> Sweep<'_, E> {
         }
     }
 
+    #[inline(always)]
     /// Where to begin: at the predicted h, else at the density of the leaf.
     fn target(&self, i: usize, leaf: usize, range: &Range<usize>) -> Target {
         // SAFETY: a branch's task alone touches the branch's particles.
         let h = unsafe { self.out.h.part(i..i + 1) }[0];
         let unit = self.frame.units.length;
         let start = if h > 0.0 {
-            h * self.hydro.support() / unit
+            h / self.h_by_reach
         } else {
             let node = &self.frame.tree.nodes[leaf];
             let side = self.hydro.domain.in_plane(node.hi - node.lo).norm();
@@ -429,15 +440,16 @@ impl<E: Element> Sweep<'_, E> {
         Outcome::Done { local, reach }
     }
 
+    #[inline(always)]
     fn write(&self, i: usize, local: &Local, reach: f64) {
         let units = &self.frame.units;
         let rate = units.velocity / units.length;
-        let rho = local.rho * units.mass / units.length.powi(self.hydro.dimensions() as i32);
+        let rho = local.rho * self.density;
         let flow = Flow {
             div_v: local.div_v * rate,
             curl_v: local.curl_v * rate,
             cs: self.cs[i],
-            h: reach * units.length / self.hydro.support(),
+            h: reach * self.h_by_reach,
         };
         let (own, out) = (i..i + 1, &self.out);
         // SAFETY: a branch's task alone touches the branch's particles.

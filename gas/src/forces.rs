@@ -216,13 +216,6 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
             ..
         } = self;
         let nodes = &sweep.frame.tree.nodes;
-        let all = sweep.extent[1][branch] >= 0.0;
-        let extent = sweep.extent[usize::from(!all)];
-        (region.around).find(&sweep.frame, branch, sweep.extent[0][branch], extent);
-        if region.around.is_empty() {
-            nodes[branch].range().for_each(|i| sweep.rest(i));
-            return 0;
-        }
         let mut met = 0;
         for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
             let coarser = sweep.gather(simd, leaf, region);
@@ -241,9 +234,17 @@ impl<E: Element> Sweep<'_, E> {
         let level = Level::new();
         let branches = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
+                let branch = branch as usize;
+                let extent = self.extent[usize::from(self.extent[1][branch] < 0.0)];
+                let around = &mut space.region.around;
+                around.find(&self.frame, branch, self.extent[0][branch], extent);
+                if around.is_empty() {
+                    (self.frame.tree.nodes[branch].range()).for_each(|i| self.rest(i));
+                    return 0;
+                }
                 let branch = Branch::<E, K> {
                     sweep: self,
-                    branch: branch as usize,
+                    branch,
                     region: &mut space.region,
                     kernel: std::marker::PhantomData,
                 };
@@ -271,10 +272,14 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     /// Units of length, and of velocity, a step of the grids.
+    #[inline(always)]
     fn steps(&self, coarser: i32) -> ([E; 3], E) {
         let units = &self.frame.units;
-        let step = units.step * (2f64.powi(coarser) / units.length);
-        let length = [step.x, step.y, step.z].map(E::from_f64);
+        let scale = (0..coarser).fold(1.0 / units.length, |scale, _| 2.0 * scale);
+        let mut length = [E::default(); 3];
+        for (a, length) in length.iter_mut().enumerate() {
+            *length = E::from_f64(units.step[a] * scale);
+        }
         (length, E::from_f64(units.velocity_step / units.velocity))
     }
 
@@ -283,16 +288,17 @@ impl<E: Element> Sweep<'_, E> {
     fn gather<S: Simd>(&self, simd: S, leaf: usize, region: &mut Region<E>) -> i32 {
         let all = self.extent[1][leaf] >= 0.0;
         let node = &self.frame.tree.nodes[leaf];
-        let (centre, unit) = (self.frame.centre(leaf), self.frame.units.length);
-        let side = |corner: Vec3| {
-            let d = self.frame.domain.in_plane(corner - centre) / unit;
-            [d.x, d.y, d.z].map(E::from_f64)
-        };
+        let (centre, unit) = (self.packed.centre(leaf), self.frame.units.length);
+        let mut span = [[E::default(); 3]; 2];
+        for a in (0..3).filter(|&a| self.frame.domain.axes[a]) {
+            span[0][a] = E::from_f64((node.lo[a] - centre[a]) / unit);
+            span[1][a] = E::from_f64((node.hi[a] - centre[a]) / unit);
+        }
         let search = Search {
             frame: &self.frame,
             packed: self.packed,
             leaf,
-            span: [side(node.lo), side(node.hi)],
+            span,
             reach: self.extent[0][leaf] / unit,
             extent: self.extent[usize::from(!all)],
             active: !all,
@@ -350,8 +356,13 @@ impl<E: Element> Sweep<'_, E> {
         } else {
             NEVER
         };
-        let force = |n: usize| Vec3::from_fn(|a, _| R::double_total(sums.force[n][a]));
-        let heat = |n: usize| units.velocity * R::total(sums.heat[n]);
+        let force = |n: usize| {
+            let [x, y, z] = sums.force[n];
+            Vec3::new(R::double_total(x), R::double_total(y), R::double_total(z))
+        };
+        let [heat, close, open] = sums.heat;
+        let heats = R::totals([heat, close, open, open]).map(|x| units.velocity * x);
+        let heat = |n: usize| heats[n];
         let (own, out) = (i..i + 1, &self.out);
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {

@@ -35,6 +35,8 @@ pub trait Real: SimdFloatElement + Default + Send + Sync + 'static {
     fn index(self) -> usize;
     /// The number `first` and those that follow it at distances of `stride`, as bits.
     fn numbers<S: Simd>(simd: S, first: usize, stride: usize) -> Lanes<S, Self>;
+    /// Numbers moved on by `by`.
+    fn further<S: Simd>(numbers: Lanes<S, Self>, by: usize) -> Lanes<S, Self>;
     /// A coordinate counted in steps of the grid.
     fn place(steps: f64) -> Self;
     /// An offset of coordinates counted in steps, a whole number on a grid.
@@ -193,7 +195,16 @@ impl Real for f32 {
 
     #[inline(always)]
     fn numbers<S: Simd>(simd: S, first: usize, stride: usize) -> S::f32s {
-        (S::u32s::from_fn(simd, |l| (l * stride) as u32) + first as u32).bitcast()
+        let mut numbers = S::u32s::splat(simd, first as u32);
+        for (l, number) in numbers.as_mut_slice().iter_mut().enumerate() {
+            *number += (l * stride) as u32;
+        }
+        numbers.bitcast()
+    }
+
+    #[inline(always)]
+    fn further<S: Simd>(numbers: S::f32s, by: usize) -> S::f32s {
+        (numbers.bitcast::<S::u32s>() + by as u32).bitcast()
     }
 
     #[inline(always)]
@@ -262,7 +273,16 @@ impl Real for f64 {
 
     #[inline(always)]
     fn numbers<S: Simd>(simd: S, first: usize, stride: usize) -> S::f64s {
-        (S::u64s::from_fn(simd, |l| (l * stride) as u64) + first as u64).bitcast()
+        let mut numbers = S::u64s::splat(simd, first as u64);
+        for (l, number) in numbers.as_mut_slice().iter_mut().enumerate() {
+            *number += (l * stride) as u64;
+        }
+        numbers.bitcast()
+    }
+
+    #[inline(always)]
+    fn further<S: Simd>(numbers: S::f64s, by: usize) -> S::f64s {
+        (numbers.bitcast::<S::u64s>() + by as u64).bitcast()
     }
 
     #[inline(always)]

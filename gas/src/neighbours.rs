@@ -23,11 +23,11 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The middle of a leaf, on the grid.
-    pub fn centre(&self, leaf: usize) -> Vec3 {
+    /// The middle of a leaf, on the grid; zero along missing axes.
+    fn centre(&self, leaf: usize) -> Vec3 {
         let step = self.units.step;
         let steps = self.tree.nodes[leaf].centre().component_div(&step);
-        steps.map(f64::round).component_mul(&step)
+        (self.domain).in_plane(steps.map(f64::round).component_mul(&step))
     }
 
     /// Calls `visit(node, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
@@ -95,6 +95,8 @@ pub struct Packed<E> {
     x: [Vec<E>; 3],
     /// The particle's own reach, negative if it is not active.
     reach: Vec<E>,
+    /// Middles of the leaves, by node.
+    centres: Vec<Vec3>,
     /// Rows of `stride` quads.
     quads: Vec<Quad<E>>,
     stride: usize,
@@ -113,13 +115,18 @@ impl<E: Real> Packed<E> {
             column.resize(n + MOST, E::default());
         }
         self.quads.resize(n * Q, Quad::default());
+        self.centres.resize(frame.tree.nodes.len(), Vec3::zeros());
+        let centres = Parts::new(&mut self.centres);
         let x = self.x.each_mut().map(|x| Parts::new(x));
         let (reaches, quads) = (Parts::new(&mut self.reach), Parts::new(&mut self.quads));
         let by_length = 1.0 / frame.units.length;
         frame.tree.leaves.par_iter().for_each(|&leaf| {
-            let centre = frame.centre(leaf as usize);
-            let range = frame.tree.nodes[leaf as usize].range();
-            // SAFETY: a leaf's task alone touches the leaf's particles.
+            let leaf = leaf as usize;
+            let centre = frame.centre(leaf);
+            let range = frame.tree.nodes[leaf].range();
+            // SAFETY: a leaf's task alone touches the leaf and its particles.
+            unsafe { centres.part(leaf..leaf + 1)[0] = centre };
+            // SAFETY: as above.
             let (mut x, reaches, quads) = unsafe {
                 (
                     x.each_ref().map(|x| x.part(range.clone())),
@@ -129,7 +136,7 @@ impl<E: Real> Packed<E> {
             };
             let rows = quads.as_chunks_mut::<Q>().0;
             for (k, (row, i)) in rows.iter_mut().zip(range).enumerate() {
-                let d = frame.domain.in_plane(frame.x[i] - centre);
+                let d = frame.domain.in_plane(frame.x[i]) - centre;
                 let (reach, quads) = source(i, d);
                 *row = quads;
                 reaches[k] = E::from_f64(reach);
@@ -140,14 +147,22 @@ impl<E: Real> Packed<E> {
         });
     }
 
+    /// The middle of a leaf, on the grid; zero along missing axes.
+    #[inline(always)]
+    pub fn centre(&self, leaf: usize) -> Vec3 {
+        self.centres[leaf]
+    }
+
     /// Coordinates of particle i from the middle of its leaf.
+    #[inline(always)]
     pub fn place(&self, i: usize) -> [E; 3] {
-        self.x.each_ref().map(|x| x[i])
+        [self.x[0][i], self.x[1][i], self.x[2][i]]
     }
 
     /// The row of particle i.
+    #[inline(always)]
     pub fn row<const Q: usize>(&self, i: usize) -> [Quad<E>; Q] {
-        std::array::from_fn(|q| self.quads[i * Q + q])
+        self.quads.as_chunks::<Q>().0[i]
     }
 }
 
@@ -232,7 +247,7 @@ impl<E: Real> Region<E> {
     pub fn gather<S: Simd>(&mut self, simd: S, search: &Search<'_, E>) -> f64 {
         let Search { frame, leaf, .. } = *search;
         let unit = frame.units.length;
-        let origin = frame.centre(leaf);
+        let origin = search.packed.centre(leaf);
         let slack = Self::margin(unit);
         let (mut lo, mut hi) = (origin, origin);
         for a in 0..3 {
@@ -249,7 +264,7 @@ impl<E: Real> Region<E> {
                 visited += node.count();
                 self.runs.push(Run {
                     node: leaf,
-                    offset: frame.domain.in_plane(frame.centre(leaf as usize) + shift - origin),
+                    offset: search.packed.centre(leaf as usize) + shift - origin,
                     end: 0,
                 });
             }
@@ -287,14 +302,16 @@ impl<E: Real> Region<E> {
         let hi = splat(simd, search.span[1]);
         let reach = same::<S, E>(simd, search.reach);
         let zero = same::<S, E>(simd, 0.0);
-        let widest = (0..3).fold(0.0, |w: f64, a| {
-            w.max((search.span[1][a].to_f64() - search.span[0][a].to_f64()).abs())
-        });
+        let mut widest: f64 = 0.0;
+        for a in 0..3 {
+            widest = widest.max(search.span[1][a].to_f64() - search.span[0][a].to_f64());
+        }
         let margin = same::<S, E>(simd, Self::margin(widest));
         let stretch = same::<S, E>(simd, 1.0 + Self::margin(1.0));
         let own = !search.extent.is_empty();
         let mut at = self.len;
         let mut first = range.start;
+        let mut numbers = E::numbers(simd, first * packed.stride, packed.stride);
         while first < range.end {
             let (mut x, mut gap2) = ([zero; 3], zero);
             for a in 0..3 {
@@ -317,11 +334,11 @@ impl<E: Real> Region<E> {
             let bits = inside.to_bitmask() & left;
             let inside = SimdMask::from_bitmask(simd, bits);
             farthest = farthest.max(Select::select(inside, far, zero));
-            let index = E::numbers(simd, first * packed.stride, packed.stride);
-            store(index.compress(inside), &mut self.index, at);
-            for (x, column) in x.into_iter().zip(&mut self.x) {
-                store(x.compress(inside), column, at);
-            }
+            store(numbers.compress(inside), &mut self.index, at);
+            store(x[0].compress(inside), &mut self.x[0], at);
+            store(x[1].compress(inside), &mut self.x[1], at);
+            store(x[2].compress(inside), &mut self.x[2], at);
+            numbers = E::further::<S>(numbers, packed.stride * Lanes::<S, E>::LEN);
             if own {
                 let limit = (limit * limit).copysign(signed);
                 store(limit.compress(inside), &mut self.limit, at);
@@ -346,10 +363,16 @@ impl<E: Real> Region<E> {
         let Search { frame, packed, .. } = *search;
         assert!(packed.stride == Q);
         let step = frame.units.step;
-        let widest = search.span.iter().flatten();
-        let widest = widest.fold(far, |w, x| w.max(far + x.to_f64().abs()));
-        let room = E::STEPS * step.min() / frame.units.length;
-        let coarser = (widest / room).log2().ceil().max(0.0) as i32;
+        let mut widest = far;
+        for x in search.span[0].iter().chain(&search.span[1]) {
+            widest = widest.max(far + x.to_f64().abs());
+        }
+        let mut room = E::STEPS * step.x.min(step.y).min(step.z) / frame.units.length;
+        let mut coarser = 0;
+        while room < widest {
+            room *= 2.0;
+            coarser += 1;
+        }
         self.stride = Q;
         let room = (self.len + 1) * Q;
         if self.quads.len() < room {
@@ -359,8 +382,11 @@ impl<E: Real> Region<E> {
         let mut start = 0;
         for run in &self.runs {
             let end = run.end as usize;
-            let offset = run.offset.component_div(&step);
-            let offset = E::offset([offset.x, offset.y, offset.z]);
+            let offset = E::offset([
+                run.offset.x / step.x,
+                run.offset.y / step.y,
+                run.offset.z / step.z,
+            ]);
             for (row, index) in rows[start..end].iter_mut().zip(&self.index[start..end]) {
                 let first = index.index();
                 row.copy_from_slice(&packed.quads[first..first + Q]);
@@ -393,8 +419,10 @@ impl<E: Real> Region<E> {
         let lanes = Lanes::<S, E>::LEN;
         let (mut first, mut count) = (0, 0);
         let end = self.len.next_multiple_of(lanes);
-        let [x, y, z] = self.x.each_ref().map(|x| &x[..end]);
-        let index = &self.index[..end];
+        let [x, y, z] = &self.x;
+        let (x, y, z, index) = (&x[..end], &y[..end], &z[..end], &self.index[..end]);
+        let [d_x, d_y, d_z, _] = &mut self.d;
+        let numbers = &mut self.numbers;
         while first < end {
             let d = [
                 load(simd, x, first) - place[0],
@@ -402,16 +430,16 @@ impl<E: Real> Region<E> {
                 load(simd, z, first) - place[2],
             ];
             let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0] * d[0]));
-            let mut bits = r2.simd_lt(limit).to_bitmask();
+            let mut inside = r2.simd_lt(limit);
             if first + lanes > self.len {
-                bits &= (1 << (self.len - first)) - 1;
+                let left = (1 << (self.len - first)) - 1;
+                inside = SimdMask::from_bitmask(simd, inside.to_bitmask() & left);
             }
-            let inside = SimdMask::from_bitmask(simd, bits);
-            store(load(simd, index, first).compress(inside), &mut self.numbers, count);
-            store(d[0].compress(inside), &mut self.d[0], count);
-            store(d[1].compress(inside), &mut self.d[1], count);
-            store(d[2].compress(inside), &mut self.d[2], count);
-            count += bits.count_ones() as usize;
+            store(load(simd, index, first).compress(inside), numbers, count);
+            store(d[0].compress(inside), d_x, count);
+            store(d[1].compress(inside), d_y, count);
+            store(d[2].compress(inside), d_z, count);
+            count += inside.to_bitmask().count_ones() as usize;
             first += lanes;
         }
         self.count = count;
@@ -425,7 +453,7 @@ impl<E: Real> Region<E> {
         }
         let tiny = same::<S, E>(simd, E::TINY);
         for first in (0..count).step_by(lanes) {
-            let [x, y, z] = [0, 1, 2].map(|a| load(simd, &self.d[a], first));
+            let [x, y, z] = self.separations(simd, first);
             let r2 = z.mul_add(z, y.mul_add(y, x * x));
             let r = r2 * R::inverse_root(simd, r2.max(tiny));
             store(r, &mut self.d[3], first);
@@ -441,8 +469,10 @@ impl<E: Real> Region<E> {
         let lanes = Lanes::<S, E>::LEN;
         let (mut first, mut count) = (0, 0);
         let end = self.len.next_multiple_of(lanes);
-        let [x, y, z] = self.x.each_ref().map(|x| &x[..end]);
-        let own = &self.limit[..end];
+        let [x, y, z] = &self.x;
+        let (x, y, z, own) = (&x[..end], &y[..end], &z[..end], &self.limit[..end]);
+        let list = &mut self.numbers;
+        let mut numbers = E::numbers(simd, 0, self.stride);
         while first < end {
             let d = [
                 load(simd, x, first) - place[0],
@@ -455,8 +485,8 @@ impl<E: Real> Region<E> {
             if active {
                 inside &= own.simd_gt(same::<S, E>(simd, 0.0));
             }
-            let numbers = E::numbers(simd, first * self.stride, self.stride);
-            store(numbers.compress(inside), &mut self.numbers, count);
+            store(numbers.compress(inside), list, count);
+            numbers = E::further::<S>(numbers, self.stride * lanes);
             count += inside.to_bitmask().count_ones() as usize;
             first += lanes;
         }

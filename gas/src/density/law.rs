@@ -9,6 +9,32 @@ use crate::{Hydro, Kernel};
 /// The solver for H gives up after this many evaluations.
 const TRIES: usize = 100;
 
+/// Bound of the error that a Newton step leaves by the step's square; from half the ratio of second to first derivative of ln n (ln H).
+const NEWTON: f64 = 4.0;
+
+/// ln x, without a call for x near one.
+#[inline(always)]
+fn logarithm(x: f64) -> f64 {
+    let z = (x - 1.0) / (x + 1.0);
+    let z2 = z * z;
+    if z2 < 0.0025 {
+        // The series of 2 artanh z; what is left out is below 1e-12.
+        2.0 * z * (1.0 + z2 * (1.0 / 3.0 + z2 * (0.2 + z2 * (1.0 / 7.0 + z2 / 9.0))))
+    } else {
+        x.ln()
+    }
+}
+
+/// exp x, without a call for x near zero; to 2e-8 there, which a next guess may be wrong by.
+#[inline(always)]
+fn exponential(x: f64) -> f64 {
+    if x.abs() < 0.05 {
+        1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0)))
+    } else {
+        x.exp()
+    }
+}
+
 /// The condition on H.
 pub struct Law {
     pub d: f64,
@@ -82,7 +108,7 @@ impl Law {
         for _ in 0..TRIES {
             let (value, slope) = self.sums::<K, S, E, R>(simd, r, reach);
             let number = self.weight * value;
-            let excess = (number / self.wanted).ln();
+            let excess = logarithm(number / self.wanted);
             if excess >= 0.0 {
                 high = reach;
             } else if reach >= radius {
@@ -94,8 +120,12 @@ impl Law {
             if step.abs() <= self.tolerance || high - low <= self.tolerance * reach {
                 return Trial::Found(reach);
             }
-            let next = reach * step.clamp(-0.5, 0.5).exp();
+            let next = reach * exponential(step.clamp(-0.5, 0.5));
             reach = if next > low && next < high {
+                // The error that is left is of the order of the step's square.
+                if NEWTON * step * step <= self.tolerance && next <= radius {
+                    return Trial::Found(next);
+                }
                 next.min(radius)
             } else {
                 0.5 * (low + high.min(radius))

@@ -1,7 +1,6 @@
 //! The sums over the neighbours of one particle, in units of the sweep.
 
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat};
-use nbody::points::Vec3;
 
 use super::law::Law;
 use crate::Kernel;
@@ -123,10 +122,11 @@ impl<S: Simd, E: Real> Sums<S, E> {
         } else {
             0.0
         };
-        let volume = reach.powi(law.d as i32);
+        let volume = reach * reach * if law.d > 2.5 { reach } else { 1.0 };
         let rho = law.norm / volume * mass;
         let scale = law.norm / (volume * reach * reach * rho);
-        let curl = Vec3::new(mass_x - g * x, mass_y - g * y, mass_z - g * z);
+        let curl = [mass_x - g * x, mass_y - g * y, mass_z - g * z];
+        let curl = (curl[0] * curl[0] + curl[1] * curl[1] + curl[2] * curl[2]).sqrt();
         let fold = |v: Lanes<S, E>, from: f64, pick: fn(f64, f64) -> f64| {
             (v.as_slice().iter()).fold(from, |x, lane| pick(x, lane.to_f64()))
         };
@@ -134,7 +134,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
             rho,
             g,
             div_v: -scale * (mass_div - g * div),
-            curl_v: scale * curl.norm(),
+            curl_v: scale * curl,
             v_sig: fold(self.v_sig, 0.0, f64::max),
             near_span: fold(self.near_span, f64::INFINITY, f64::min),
         }
