@@ -7,20 +7,22 @@
 //! shorter step of the two: its force counts where at least one member is active, and the impulse goes to both.
 //! Sources: Springel & Hernquist (2002); Hopkins (2013); pairwise steps: Saitoh & Makino (2009, 2010).
 
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat};
+use fearless_simd::{Level, Simd, SimdBase};
 use nbody::points::sum::Parts;
-use nbody::points::{Clock, Vec3};
+use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
-use crate::lanes::{Job, Lanes, Machine, Quad, Real, same};
-use crate::neighbours::{Frame, Packed, Region, Search, branches};
+use crate::lanes::{Job, Lanes, Machine, Quad, Real};
+use crate::neighbours::{Around, Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::workspace::Element;
 use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2};
 
 mod pair;
+mod sums;
 
 use pair::{Flux, Member, QUADS, Separation};
+use sums::{Even, Mixed, Sums, Total};
 
 /// A tick that never comes.
 pub(crate) const NEVER: u32 = u32::MAX;
@@ -82,6 +84,7 @@ impl Gas {
             power: d as i32,
         };
         packed.fill::<QUADS>(&frame, |i, from_centre| pack.source(i, from_centre));
+        pack.paces(&self.tree, &mut self.paces);
         let sweep = Sweep {
             clock,
             next,
@@ -91,6 +94,7 @@ impl Gas {
             end: &particles.end,
             next_span: &rates.next_span,
             extent: [&self.extent, &self.active_extent],
+            paces: &self.paces,
             three: d == 3,
             flux: Flux {
                 norm: K::norm(d),
@@ -130,6 +134,28 @@ struct Pack<'a> {
 }
 
 impl Pack<'_> {
+    fn pace(&self, i: usize) -> Pace {
+        Pace {
+            age: self.clock.tick - self.particles.begin[i],
+            span: self.particles.span[i],
+            next_span: self.next_span[i],
+        }
+    }
+
+    /// The pace of each leaf. Steps that end too early count as mixed: their weights are no powers of two.
+    fn paces(&self, tree: &Tree, paces: &mut Vec<Pace>) {
+        paces.resize(tree.nodes.len(), Pace::MIXED);
+        let paces = Parts::new(paces);
+        tree.leaves.par_iter().with_min_len(64).for_each(|&leaf| {
+            let leaf = leaf as usize;
+            let mut range = tree.nodes[leaf].range();
+            let first = self.pace(range.start);
+            let same = first.age == first.span && range.all(|i| self.pace(i) == first);
+            // SAFETY: each leaf is listed once.
+            unsafe { paces.part(leaf..leaf + 1)[0] = if same { first } else { Pace::MIXED } };
+        });
+    }
+
     /// Reach and row of particle i, which stands at `d` from the middle of its leaf.
     #[inline(always)]
     fn source<E: Real>(&self, i: usize, d: Vec3) -> (f64, [Quad<E>; QUADS]) {
@@ -171,13 +197,27 @@ struct Out<'a> {
     wake: Parts<'a, u32>,
 }
 
-/// What a particle gets, times its mass: as a rate, closing and opening.
-struct Sums<S: Simd, E: Real> {
-    /// In double precision, so that impulses of pairs cancel.
-    force: [[S::f64s; 3]; 3],
-    heat: [Lanes<S, E>; 3],
-    /// The shortest next step of those that it meets, in ticks; infinite if it meets nobody.
-    near: Lanes<S, E>,
+/// Where particles stand on the clock: ticks since the present step began, its planned span, and the next one's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pace {
+    age: u32,
+    span: u32,
+    next_span: u32,
+}
+
+impl Pace {
+    /// Of a leaf whose particles differ.
+    const MIXED: Self = Self {
+        age: NEVER,
+        span: 0,
+        next_span: 0,
+    };
+
+    /// What closes and what opens the steps of pairs at this pace, in ticks.
+    fn weights(&self) -> [f64; 2] {
+        let half = 0.5 * f64::from(self.span);
+        [f64::from(self.age) - half, 0.5 * f64::from(self.next_span)]
+    }
 }
 
 /// All that the leaves share.
@@ -191,6 +231,8 @@ struct Sweep<'a, E> {
     next_span: &'a [u32],
     /// Largest H a node: of all its particles, and of its active ones (negative if there are none).
     extent: [&'a [f64]; 2],
+    /// The pace of each leaf, by node.
+    paces: &'a [Pace],
     three: bool,
     flux: Flux,
     out: Out<'a>,
@@ -200,6 +242,8 @@ struct Sweep<'a, E> {
 struct Branch<'a, E, K> {
     sweep: &'a Sweep<'a, E>,
     branch: usize,
+    /// The pace of all around, unless it is mixed.
+    pace: Option<Pace>,
     region: &'a mut Region<E>,
     kernel: std::marker::PhantomData<K>,
 }
@@ -212,6 +256,7 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
         let Self {
             sweep,
             branch,
+            pace,
             region,
             ..
         } = self;
@@ -221,8 +266,18 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
             let coarser = sweep.gather(simd, leaf, region);
             let steps = sweep.steps(coarser);
             for i in nodes[leaf].range() {
-                let sums = sweep.target::<K, S, R>(simd, i, steps, region);
-                met += usize::from(sweep.write::<S, R>(i, &sums));
+                met += usize::from(match pace {
+                    Some(pace) => {
+                        let mut sums = Even::new(simd);
+                        sweep.target::<K, S, R, _>(simd, i, steps, region, &mut sums);
+                        sweep.write(i, &sums.total::<R>(pace, region.count()))
+                    }
+                    None => {
+                        let mut sums = Mixed::new(simd);
+                        sweep.target::<K, S, R, _>(simd, i, steps, region, &mut sums);
+                        sweep.write(i, &sums.total::<R>())
+                    }
+                });
             }
         }
         met
@@ -242,9 +297,11 @@ impl<E: Element> Sweep<'_, E> {
                     (self.frame.tree.nodes[branch].range()).for_each(|i| self.rest(i));
                     return 0;
                 }
+                let pace = self.pace(branch, around);
                 let branch = Branch::<E, K> {
                     sweep: self,
                     branch,
+                    pace,
                     region: &mut space.region,
                     kernel: std::marker::PhantomData,
                 };
@@ -252,6 +309,14 @@ impl<E: Element> Sweep<'_, E> {
             })
         });
         branches.sum()
+    }
+
+    /// The pace of a branch and all around it, unless it is mixed.
+    fn pace(&self, branch: usize, around: &Around) -> Option<Pace> {
+        let mut paces = around.nodes().map(|leaf| self.paces[leaf]);
+        let pace = paces.next().filter(|&pace| pace != Pace::MIXED)?;
+        // Without active particles the branch is not around itself.
+        (self.extent[1][branch] >= 0.0 && paces.all(|other| other == pace)).then_some(pace)
     }
 
     /// What a particle gets that meets nobody.
@@ -308,24 +373,19 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     #[inline(always)]
-    fn target<K: Kernel, S: Simd, R: Machine<S, E>>(
+    fn target<K: Kernel, S: Simd, R: Machine<S, E>, T: Sums<S, E>>(
         &self,
         simd: S,
         i: usize,
         (length, velocity): ([E; 3], E),
         region: &mut Region<E>,
-    ) -> Sums<S, E> {
+        sums: &mut T,
+    ) {
         let row = self.packed.row(i);
         let own = Member::<S, E>::alone::<R>(simd, &row, self.three);
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
         region.meet(simd, place, reach * reach, !self.active(i));
-        let zero = same::<S, E>(simd, 0.0);
-        let mut sums = Sums::<S, E> {
-            force: [[same::<S, f64>(simd, 0.0); 3]; 3],
-            heat: [zero; 3],
-            near: same::<S, E>(simd, f64::INFINITY),
-        };
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
             let columns = [
                 region.quad::<S, R>(simd, 0, first),
@@ -336,48 +396,50 @@ impl<E: Element> Sweep<'_, E> {
             let other = Member::new::<R>(simd, columns, self.three);
             let pair = Separation::new(simd, &row, &columns, length, velocity);
             let flux = (self.flux).between::<K, S, E, R>(simd, &own, &other, &pair);
-            sums.add(simd, &own, &other, flux, &pair);
+            let force = [flux[0] * pair.d[0], flux[0] * pair.d[1], flux[0] * pair.d[2]];
+            sums.add(simd, &own, &other, force, flux[1]);
         }
-        sums
     }
 
+    /// Writes what particle i gets; returns whether it meets anybody.
     #[inline(always)]
-    fn write<S: Simd, R: Machine<S, E>>(&self, i: usize, sums: &Sums<S, E>) -> bool {
+    fn write(&self, i: usize, total: &Total) -> bool {
         let units = &self.frame.units;
         let energy = units.mass * units.velocity * units.velocity / units.length;
         let by_mass = energy / self.m[i];
         let closing = by_mass * self.clock.unit();
         let opening = by_mass * self.next.unit();
-        let near = sums.near.as_slice().iter();
-        let near = near.fold(f64::INFINITY, |near, x| near.min(x.to_f64()));
         let span = self.next_span[i];
-        let wake = if near < f64::from(span / 4) {
-            self.next.waking(4 * near as u32)
+        let wake = if total.near < f64::from(span / 4) {
+            self.next.waking(4 * total.near as u32)
         } else {
             NEVER
         };
-        let force = |n: usize| {
-            let [x, y, z] = sums.force[n];
-            Vec3::new(R::double_total(x), R::double_total(y), R::double_total(z))
-        };
-        let [heat, close, open] = sums.heat;
-        let heats = R::totals([heat, close, open, open]).map(|x| units.velocity * x);
-        let heat = |n: usize| heats[n];
+        let [rate, close, open] = total.force;
+        let heat = total.heat.map(
+            #[inline(always)]
+            |heat| units.velocity * heat,
+        );
         let (own, out) = (i..i + 1, &self.out);
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
             if self.active(i) {
-                out.hydro.part(own.clone())[0] = by_mass * force(0);
-                out.du.part(own.clone())[0] = by_mass * heat(0);
+                out.hydro.part(own.clone())[0] = scaled(by_mass, rate);
+                out.du.part(own.clone())[0] = by_mass * heat[0];
             }
-            out.dv_close.part(own.clone())[0] = closing * force(1);
-            out.dv_open.part(own.clone())[0] = opening * force(2);
-            out.du_close.part(own.clone())[0] = closing * heat(1);
-            out.du_open.part(own.clone())[0] = opening * heat(2);
+            out.dv_close.part(own.clone())[0] = scaled(closing, close);
+            out.dv_open.part(own.clone())[0] = scaled(opening, open);
+            out.du_close.part(own.clone())[0] = closing * heat[1];
+            out.du_open.part(own.clone())[0] = opening * heat[2];
             out.wake.part(own)[0] = wake;
         }
-        near.is_finite()
+        total.near.is_finite()
     }
+}
+
+#[inline(always)]
+fn scaled(factor: f64, [x, y, z]: [f64; 3]) -> Vec3 {
+    Vec3::new(factor * x, factor * y, factor * z)
 }
 
 /// A row of what is beyond any kernel and has no mass.
@@ -392,33 +454,6 @@ fn nobody<E: Real>() -> [Quad<E>; QUADS] {
         Quad([one, zero, one, zero]),
         Quad([zero, zero, zero, never]),
     ]
-}
-
-impl<S: Simd, E: Real> Sums<S, E> {
-    #[inline(always)]
-    fn add(
-        &mut self,
-        simd: S,
-        own: &Member<S, E>,
-        other: &Member<S, E>,
-        [pull, heat]: [Lanes<S, E>; 2],
-        pair: &Separation<S, E>,
-    ) {
-        let half = same::<S, E>(simd, 0.5);
-        // The later begin of a pair is the lesser age.
-        let closing = own.age.min(other.age) - own.span.min(other.span) * half;
-        let opening = own.next_span.min(other.next_span) * half;
-        let force = [pull * pair.d[0], pull * pair.d[1], pull * pair.d[2]];
-        for a in 0..3 {
-            E::accumulate(&mut self.force[0][a], force[a]);
-            E::accumulate(&mut self.force[1][a], closing * force[a]);
-            E::accumulate(&mut self.force[2][a], opening * force[a]);
-        }
-        self.heat[0] += heat;
-        self.heat[1] = closing.mul_add(heat, self.heat[1]);
-        self.heat[2] = opening.mul_add(heat, self.heat[2]);
-        self.near = self.near.min(other.next_span);
-    }
 }
 
 #[cfg(test)]

@@ -43,7 +43,8 @@ impl Frame<'_> {
             while i < nodes.len() {
                 let node = &nodes[i];
                 let own = extent.get(i).copied().unwrap_or(0.0);
-                if own < 0.0 || gap2(node, lo, hi) > reach.max(own).powi(2) {
+                let far = larger(reach, own);
+                if own < 0.0 || gap2(node, lo, hi) > far * far {
                     i = node.skip as usize;
                 } else {
                     i += 1;
@@ -56,12 +57,18 @@ impl Frame<'_> {
     }
 }
 
+/// The larger of two numbers, in one instruction: neither is NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// Square of the distance between a node and the box [lo, hi].
 #[inline(always)]
 fn gap2(node: &Node, lo: Vec3, hi: Vec3) -> f64 {
     let mut sum = 0.0;
     for a in 0..3 {
-        let gap = (node.lo[a] - hi[a]).max(lo[a] - node.hi[a]).max(0.0);
+        let gap = larger(larger(node.lo[a] - hi[a], lo[a] - node.hi[a]), 0.0);
         sum += gap * gap;
     }
     sum
@@ -206,6 +213,11 @@ impl Around {
     pub fn is_empty(&self) -> bool {
         self.leaves.is_empty()
     }
+
+    /// Numbers of these leaves' nodes.
+    pub fn nodes(&self) -> impl Iterator<Item = usize> {
+        self.leaves.iter().map(|&(leaf, _)| leaf as usize)
+    }
 }
 
 /// A leaf that is near, and the end of its candidates.
@@ -259,7 +271,7 @@ impl<E: Real> Region<E> {
         for &(leaf, shift) in &self.around.leaves {
             let node = &frame.tree.nodes[leaf as usize];
             let own = search.extent.get(leaf as usize).copied().unwrap_or(0.0);
-            let far = reach.max(own);
+            let far = larger(reach, own);
             if own >= 0.0 && gap2(node, lo - shift, hi - shift) <= far * far {
                 visited += node.count();
                 self.runs.push(Run {

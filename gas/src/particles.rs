@@ -9,6 +9,7 @@ use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
 
+use crate::forces::Pace;
 use crate::workspace::Both;
 
 columns! {
@@ -104,6 +105,8 @@ pub struct Gas {
     pub(crate) wake: Vec<u32>,
     /// Nodes of the tree that sweeps work on one by one.
     pub(crate) branches: Vec<u32>,
+    /// How each leaf stands on the clock; of the last force sweep.
+    pub(crate) paces: Vec<Pace>,
     /// All gas as the sweeps see it.
     pub(crate) packed: Both,
     /// Size of the leaves altogether when the gas was sorted.
