@@ -16,7 +16,7 @@ use nbody::points::{Clock, Fault, Population, Vec3};
 use rayon::prelude::*;
 
 use crate::lanes::{Job, Lanes, Machine, Quad, Real, load};
-use crate::neighbours::{Frame, Packed, Region, Search, branches};
+use crate::neighbours::{FEW, Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::viscosity::Flow;
 use crate::workspace::Element;
@@ -249,12 +249,12 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
         for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
             tally = tally.and(sweep.targets(leaf, pending));
             while !pending.is_empty() {
-                let reach = pending.iter().fold(0.0, |reach: f64, t| reach.max(t.radius));
+                let (span, reach) = sweep.span(pending);
                 if reach * sweep.frame.units.length > sought {
                     sought = reach * sweep.frame.units.length;
                     (region.around).find(&sweep.frame, branch, sought, &[]);
                 }
-                sweep.gather(simd, leaf, reach, region, pending);
+                sweep.gather(simd, leaf, (span, reach), region);
                 let failed = sweep.settle::<K, S, R>(simd, region, pending);
                 tally = tally.and(Tally { targets: 0, failed });
             }
@@ -309,6 +309,11 @@ impl<E: Element> Sweep<'_, E> {
     ) -> Option<(usize, f64)> {
         let (mut left, mut first) = (0, None);
         for k in 0..pending.len() {
+            if k % FEW == 0 {
+                let few = &pending[k..(k + FEW).min(pending.len())];
+                let (span, reach) = self.span(few);
+                region.focus(simd, span, reach, false);
+            }
             let mut target = pending[k];
             match self.solve::<K, S, R>(simd, &mut target, region) {
                 Outcome::Done { local, reach } => self.write(target.i, &local, reach),
@@ -359,22 +364,29 @@ impl<E: Element> Sweep<'_, E> {
         Target { i, start, radius }
     }
 
+    /// The box around some targets, and the largest radius in which they look.
     #[inline(always)]
-    fn gather<S: Simd>(
-        &self,
-        simd: S,
-        leaf: usize,
-        reach: f64,
-        region: &mut Region<E>,
-        pending: &[Target],
-    ) {
+    fn span(&self, targets: &[Target]) -> ([[E; 3]; 2], f64) {
         let mut span = [[E::from_f64(f64::INFINITY); 3], [E::from_f64(f64::NEG_INFINITY); 3]];
-        for target in pending {
+        let mut reach: f64 = 0.0;
+        for target in targets {
+            reach = reach.max(target.radius);
             for (a, x) in self.packed.place(target.i).into_iter().enumerate() {
                 span[0][a] = if x < span[0][a] { x } else { span[0][a] };
                 span[1][a] = if x > span[1][a] { x } else { span[1][a] };
             }
         }
+        (span, reach)
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd>(
+        &self,
+        simd: S,
+        leaf: usize,
+        (span, reach): ([[E; 3]; 2], f64),
+        region: &mut Region<E>,
+    ) {
         let search = Search {
             frame: &self.frame,
             packed: self.packed,

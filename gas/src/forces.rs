@@ -7,13 +7,15 @@
 //! shorter step of the two: its force counts where at least one member is active, and the impulse goes to both.
 //! Sources: Springel & Hernquist (2002); Hopkins (2013); pairwise steps: Saitoh & Makino (2009, 2010).
 
+use std::ops::Range;
+
 use fearless_simd::{Level, Simd, SimdBase};
 use nbody::points::sum::Parts;
 use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
 use crate::lanes::{Job, Lanes, Machine, Quad, Real};
-use crate::neighbours::{Around, Frame, Packed, Region, Search, branches};
+use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::workspace::Element;
 use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2};
@@ -265,7 +267,12 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
         for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
             let coarser = sweep.gather(simd, leaf, region);
             let steps = sweep.steps(coarser);
-            for i in nodes[leaf].range() {
+            let range = nodes[leaf].range();
+            for i in range.clone() {
+                if (i - range.start) % FEW == 0 {
+                    let (span, reach) = sweep.span(i..(i + FEW).min(range.end));
+                    region.focus(simd, span, reach, true);
+                }
                 met += usize::from(match pace {
                     Some(pace) => {
                         let mut sums = Even::new(simd);
@@ -309,6 +316,21 @@ impl<E: Element> Sweep<'_, E> {
             })
         });
         branches.sum()
+    }
+
+    /// The box around some particles, and the largest of their reaches.
+    #[inline(always)]
+    fn span(&self, few: Range<usize>) -> ([[E; 3]; 2], f64) {
+        let mut span = [[E::from_f64(f64::INFINITY); 3], [E::from_f64(f64::NEG_INFINITY); 3]];
+        let mut reach: f64 = 0.0;
+        for i in few {
+            reach = reach.max(self.packed.reach(i));
+            for (a, x) in self.packed.place(i).into_iter().enumerate() {
+                span[0][a] = if x < span[0][a] { x } else { span[0][a] };
+                span[1][a] = if x > span[1][a] { x } else { span[1][a] };
+            }
+        }
+        (span, reach)
     }
 
     /// The pace of a branch and all around it, unless it is mixed.

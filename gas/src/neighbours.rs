@@ -166,6 +166,12 @@ impl<E: Real> Packed<E> {
         [self.x[0][i], self.x[1][i], self.x[2][i]]
     }
 
+    /// The own reach of particle i.
+    #[inline(always)]
+    pub fn reach(&self, i: usize) -> f64 {
+        self.reach[i].to_f64().abs()
+    }
+
     /// The row of particle i.
     #[inline(always)]
     pub fn row<const Q: usize>(&self, i: usize) -> [Quad<E>; Q] {
@@ -229,17 +235,41 @@ struct Run {
     end: u32,
 }
 
+/// Candidates, filled up to whole lanes with what may be anything.
+#[derive(Debug, Default)]
+struct Candidates<E> {
+    /// Numbers of their rows, as bits.
+    number: Vec<E>,
+    x: [Vec<E>; 3],
+    /// Square of the candidate's own reach, with a margin; negative if it is not active.
+    limit: Vec<E>,
+    len: usize,
+}
+
+impl<E: Real> Candidates<E> {
+    /// Makes room for `len` candidates.
+    #[inline(always)]
+    fn room(&mut self, len: usize) {
+        let room = len + 2 * MOST;
+        if self.number.len() < room {
+            self.number.resize(room, E::default());
+            self.limit.resize(room, E::default());
+            for x in &mut self.x {
+                x.resize(room, E::default());
+            }
+        }
+    }
+}
+
 /// The particles that may be neighbours of some targets, and those that are neighbours of one.
 #[derive(Debug, Default)]
 pub struct Region<E> {
     pub around: Around,
     runs: Vec<Run>,
-    /// Numbers of the candidates among all particles' quads, as bits.
-    index: Vec<E>,
-    x: [Vec<E>; 3],
-    /// Square of the candidate's own reach, with a margin; negative if it is not active.
-    limit: Vec<E>,
-    len: usize,
+    /// Of a leaf.
+    wide: Candidates<E>,
+    /// Of a few of its targets.
+    close: Candidates<E>,
     quads: Vec<Quad<E>>,
     stride: usize,
     numbers: Vec<E>,
@@ -281,14 +311,9 @@ impl<E: Real> Region<E> {
                 });
             }
         }
-        let room = visited + MOST;
-        let columns = self.x.iter_mut().chain([&mut self.index, &mut self.limit]);
-        for column in columns {
-            if column.len() < room {
-                column.resize(room, E::default());
-            }
-        }
-        self.len = 0;
+        self.wide.room(visited);
+        self.wide.len = 0;
+        self.close.len = 0;
         self.count = 0;
         let mut far = same::<S, E>(simd, 0.0);
         for run in 0..self.runs.len() {
@@ -321,7 +346,8 @@ impl<E: Real> Region<E> {
         let margin = same::<S, E>(simd, Self::margin(widest));
         let stretch = same::<S, E>(simd, 1.0 + Self::margin(1.0));
         let own = !search.extent.is_empty();
-        let mut at = self.len;
+        let wide = &mut self.wide;
+        let mut at = wide.len;
         let mut first = range.start;
         let mut numbers = E::numbers(simd, first * packed.stride, packed.stride);
         while first < range.end {
@@ -346,21 +372,79 @@ impl<E: Real> Region<E> {
             let bits = inside.to_bitmask() & left;
             let inside = SimdMask::from_bitmask(simd, bits);
             farthest = farthest.max(Select::select(inside, far, zero));
-            store(numbers.compress(inside), &mut self.index, at);
-            store(x[0].compress(inside), &mut self.x[0], at);
-            store(x[1].compress(inside), &mut self.x[1], at);
-            store(x[2].compress(inside), &mut self.x[2], at);
+            store(numbers.compress(inside), &mut wide.number, at);
+            store(x[0].compress(inside), &mut wide.x[0], at);
+            store(x[1].compress(inside), &mut wide.x[1], at);
+            store(x[2].compress(inside), &mut wide.x[2], at);
             numbers = E::further::<S>(numbers, packed.stride * Lanes::<S, E>::LEN);
             if own {
                 let limit = (limit * limit).copysign(signed);
-                store(limit.compress(inside), &mut self.limit, at);
+                store(limit.compress(inside), &mut wide.limit, at);
             }
             at += bits.count_ones() as usize;
             first += Lanes::<S, E>::LEN;
         }
-        self.len = at;
+        wide.len = at;
         self.runs[run].end = at as u32;
         farthest
+    }
+
+    /// Picks from all candidates those within max(`reach`, own reach) of a smaller box. Their numbers are those of their rows among all
+    /// particles, or, if `fetched`, in the region.
+    #[inline(always)]
+    pub fn focus<S: Simd>(&mut self, simd: S, span: [[E; 3]; 2], reach: f64, fetched: bool) {
+        let Self { wide, close, .. } = self;
+        close.room(wide.len);
+        self.count = 0;
+        let (lo, hi) = (splat(simd, span[0]), splat(simd, span[1]));
+        let mut widest: f64 = 0.0;
+        for a in 0..3 {
+            widest = widest.max(span[1][a].to_f64().abs()).max(span[0][a].to_f64().abs());
+        }
+        let far = reach * (1.0 + Self::margin(1.0)) + Self::margin(widest);
+        let far = same::<S, E>(simd, far * far);
+        let zero = same::<S, E>(simd, 0.0);
+        let lanes = Lanes::<S, E>::LEN;
+        let end = wide.len.next_multiple_of(lanes);
+        let [x, y, z] = &wide.x;
+        let (x, y, z) = (&x[..end], &y[..end], &z[..end]);
+        let (number, limit) = (&wide.number[..end], &wide.limit[..end]);
+        let mut numbers = E::numbers(simd, 0, self.stride);
+        let (mut first, mut at) = (0, 0);
+        while first < end {
+            let x = [load(simd, x, first), load(simd, y, first), load(simd, z, first)];
+            let mut gap2 = zero;
+            for a in 0..3 {
+                let gap = (lo[a] - x[a]).max(x[a] - hi[a]).max(zero);
+                gap2 = gap.mul_add(gap, gap2);
+            }
+            let limit = load(simd, limit, first);
+            let far = if fetched { far.max(limit.abs()) } else { far };
+            let mut inside = gap2.simd_le(far);
+            if first + lanes > wide.len {
+                let left = (1 << (wide.len - first)) - 1;
+                inside = SimdMask::from_bitmask(simd, inside.to_bitmask() & left);
+            }
+            store(x[0].compress(inside), &mut close.x[0], at);
+            store(x[1].compress(inside), &mut close.x[1], at);
+            store(x[2].compress(inside), &mut close.x[2], at);
+            if fetched {
+                store(numbers.compress(inside), &mut close.number, at);
+                store(limit.compress(inside), &mut close.limit, at);
+                numbers = E::further::<S>(numbers, self.stride * lanes);
+            } else {
+                let number = load(simd, number, first);
+                store(number.compress(inside), &mut close.number, at);
+            }
+            at += inside.to_bitmask().count_ones() as usize;
+            first += lanes;
+        }
+        close.len = at;
+        // What fills up the last lanes is near nobody.
+        for x in &mut close.x {
+            store(same::<S, E>(simd, FAR), x, at);
+        }
+        store(zero, &mut close.limit, at);
     }
 
     /// Fetches the rows of the candidates, whose first quad begins with coordinates on the grid; `nobody` fills up lists. Returns how many
@@ -386,7 +470,8 @@ impl<E: Real> Region<E> {
             coarser += 1;
         }
         self.stride = Q;
-        let room = (self.len + 1) * Q;
+        let len = self.wide.len;
+        let room = (len + 1) * Q;
         if self.quads.len() < room {
             self.quads.resize(room, Quad::default());
         }
@@ -399,21 +484,21 @@ impl<E: Real> Region<E> {
                 run.offset.y / step.y,
                 run.offset.z / step.z,
             ]);
-            for (row, index) in rows[start..end].iter_mut().zip(&self.index[start..end]) {
+            for (row, index) in rows[start..end].iter_mut().zip(&self.wide.number[start..end]) {
                 let first = index.index();
                 row.copy_from_slice(&packed.quads[first..first + Q]);
                 row[0] = E::moved(row[0], offset, coarser);
             }
             start = end;
         }
-        rows[self.len] = nobody;
+        rows[len] = nobody;
         coarser
     }
 
     /// Makes room for lists of all candidates.
     #[inline(always)]
     fn room(&mut self) {
-        let room = self.len + 2 * MOST;
+        let room = self.close.len + 2 * MOST;
         if self.numbers.len() < room {
             self.numbers.resize(room, E::default());
             for d in &mut self.d {
@@ -430,9 +515,9 @@ impl<E: Real> Region<E> {
         let limit = same::<S, E>(simd, radius * radius * (1.0 + Self::margin(1.0)));
         let lanes = Lanes::<S, E>::LEN;
         let (mut first, mut count) = (0, 0);
-        let end = self.len.next_multiple_of(lanes);
-        let [x, y, z] = &self.x;
-        let (x, y, z, index) = (&x[..end], &y[..end], &z[..end], &self.index[..end]);
+        let end = self.close.len.next_multiple_of(lanes);
+        let [x, y, z] = &self.close.x;
+        let (x, y, z, number) = (&x[..end], &y[..end], &z[..end], &self.close.number[..end]);
         let [d_x, d_y, d_z, _] = &mut self.d;
         let numbers = &mut self.numbers;
         while first < end {
@@ -442,12 +527,8 @@ impl<E: Real> Region<E> {
                 load(simd, z, first) - place[2],
             ];
             let r2 = d[2].mul_add(d[2], d[1].mul_add(d[1], d[0] * d[0]));
-            let mut inside = r2.simd_lt(limit);
-            if first + lanes > self.len {
-                let left = (1 << (self.len - first)) - 1;
-                inside = SimdMask::from_bitmask(simd, inside.to_bitmask() & left);
-            }
-            store(load(simd, index, first).compress(inside), numbers, count);
+            let inside = r2.simd_lt(limit);
+            store(load(simd, number, first).compress(inside), numbers, count);
             store(d[0].compress(inside), d_x, count);
             store(d[1].compress(inside), d_y, count);
             store(d[2].compress(inside), d_z, count);
@@ -480,11 +561,10 @@ impl<E: Real> Region<E> {
         let limit = same::<S, E>(simd, limit * (1.0 + Self::margin(1.0)));
         let lanes = Lanes::<S, E>::LEN;
         let (mut first, mut count) = (0, 0);
-        let end = self.len.next_multiple_of(lanes);
-        let [x, y, z] = &self.x;
-        let (x, y, z, own) = (&x[..end], &y[..end], &z[..end], &self.limit[..end]);
-        let list = &mut self.numbers;
-        let mut numbers = E::numbers(simd, 0, self.stride);
+        let end = self.close.len.next_multiple_of(lanes);
+        let [x, y, z] = &self.close.x;
+        let (x, y, z, own) = (&x[..end], &y[..end], &z[..end], &self.close.limit[..end]);
+        let (number, list) = (&self.close.number[..end], &mut self.numbers);
         while first < end {
             let d = [
                 load(simd, x, first) - place[0],
@@ -497,17 +577,12 @@ impl<E: Real> Region<E> {
             if active {
                 inside &= own.simd_gt(same::<S, E>(simd, 0.0));
             }
-            store(numbers.compress(inside), list, count);
-            numbers = E::further::<S>(numbers, self.stride * lanes);
+            store(load(simd, number, first).compress(inside), list, count);
             count += inside.to_bitmask().count_ones() as usize;
             first += lanes;
         }
-        // What stands behind the last candidate is near nobody.
-        while count > 0 && self.numbers[count - 1].index() >= self.len * self.stride {
-            count -= 1;
-        }
         self.count = count;
-        let nobody = E::number(self.len * self.stride);
+        let nobody = E::number(self.wide.len * self.stride);
         store(Lanes::<S, E>::splat(simd, nobody), &mut self.numbers, count);
     }
 
@@ -564,6 +639,9 @@ impl<E: Real> Region<E> {
 
 /// What separations count that are no neighbours: beyond any kernel.
 const FAR: f64 = 1e15;
+
+/// Targets of a leaf that share their candidates.
+pub const FEW: usize = 9;
 
 /// Each coordinate in all lanes.
 #[inline(always)]

@@ -89,7 +89,7 @@ columns! {
 }
 
 /// Particles a leaf of the gas tree.
-pub const LEAF: usize = 32;
+pub const LEAF: usize = 64;
 
 /// All gas of a scene: its columns and the tree over them.
 #[derive(Clone, Debug, Default)]

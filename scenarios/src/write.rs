@@ -9,7 +9,7 @@ use crate::read::gravity::MASSES;
 use crate::scene::{
     Block, BodyDrag, Collisions, Cooling, Coordinates, Disk, DiskAmount, Dust, DustAmount,
     DustDrag, Eos, Formulation, Gas, GravityMethod, Hydro, Integrator, Kernel, Lattice, Opening,
-    Orbit, Planet, Planetesimals, Preset, Scene, Sizes, Snapshots, Softening, Thermal, TimeStep,
+    Orbit, Planet, Planetesimals, Precision, Preset, Scene, Sizes, Snapshots, Softening, Thermal, TimeStep,
     Viscosity,
 };
 use crate::units::System;
@@ -261,6 +261,13 @@ fn write_hydro(text: &mut Text, hydro: &Hydro) {
     text.number("neighbours", hydro.neighbours);
     text.number("courant", hydro.courant);
     text.number("tolerance", hydro.tolerance);
+    text.text(
+        "precision",
+        match hydro.precision {
+            Precision::Single => "single",
+            Precision::Double => "double",
+        },
+    );
 }
 
 fn write_dust(text: &mut Text, dust: &Dust) {
