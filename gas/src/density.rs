@@ -76,10 +76,11 @@ impl Gas {
         if self.is_empty() {
             return Ok(0);
         }
+        let level = self.level();
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived) = (&mut self.particles, &mut self.derived);
         let (h, m, v) = (&particles.h, &particles.m, &self.rates.v_pred);
-        let units = Units::new(hydro, h, m, v, &derived.cs);
+        let units = Units::new(hydro, &self.tree, h, m, v, &derived.cs);
         let frame = Frame {
             tree: &self.tree,
             domain: &hydro.domain,
@@ -87,7 +88,7 @@ impl Gas {
             units,
         };
         let (span, cs) = (&particles.span, &derived.cs);
-        packed.fill::<QUADS>(&frame, |i, _| {
+        packed.fill::<QUADS>(&frame, |i, _, _| {
             (0.0, source(&units, m[i], v[i], cs[i], span[i]))
         });
         let out = Out {
@@ -116,6 +117,7 @@ impl Gas {
             density: units.mass / units.length.powi(hydro.dimensions() as i32),
             h_by_reach: units.length / hydro.support(),
             law: Law::new::<K>(hydro),
+            level,
             out,
         };
         branches(&self.tree, &mut self.branches);
@@ -181,7 +183,10 @@ pub struct Target {
 
 /// What became of a target.
 enum Outcome {
-    Done { local: Local, reach: f64 },
+    Done {
+        local: Local,
+        reach: f64,
+    },
     /// H is larger; to be tried again within this radius.
     Wider(f64),
     /// There is none; last try.
@@ -217,6 +222,7 @@ struct Sweep<'a, E> {
     density: f64,
     h_by_reach: f64,
     law: Law,
+    level: Level,
     out: Out<'a>,
 }
 
@@ -265,7 +271,6 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
 
 impl<E: Element> Sweep<'_, E> {
     fn run<K: Kernel>(&self, branches: &[u32]) -> Tally {
-        let level = Level::new();
         let tallies = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
                 let branch = branch as usize;
@@ -279,7 +284,7 @@ impl<E: Element> Sweep<'_, E> {
                     sought,
                     kernel: std::marker::PhantomData,
                 };
-                E::run(level, branch)
+                E::run(self.level, branch)
             })
         });
         tallies.reduce(Tally::default, Tally::and)
@@ -367,7 +372,10 @@ impl<E: Element> Sweep<'_, E> {
     /// The box around some targets, and the largest radius in which they look.
     #[inline(always)]
     fn span(&self, targets: &[Target]) -> ([[E; 3]; 2], f64) {
-        let mut span = [[E::from_f64(f64::INFINITY); 3], [E::from_f64(f64::NEG_INFINITY); 3]];
+        let mut span = [
+            [E::from_f64(f64::INFINITY); 3],
+            [E::from_f64(f64::NEG_INFINITY); 3],
+        ];
         let mut reach: f64 = 0.0;
         for target in targets {
             reach = reach.max(target.radius);

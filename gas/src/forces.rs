@@ -18,7 +18,9 @@ use crate::lanes::{Job, Lanes, Machine, Quad, Real};
 use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::workspace::Element;
-use crate::{CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2};
+use crate::{
+    CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2,
+};
 
 mod pair;
 mod sums;
@@ -58,6 +60,7 @@ impl Gas {
         if self.is_empty() {
             return 0;
         }
+        let level = self.level();
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived, rates) = (&self.particles, &self.derived, &mut self.rates);
         let (support, h) = (hydro.support(), &particles.h);
@@ -66,7 +69,14 @@ impl Gas {
         let own = |i: usize| if active(i) { support * h[i] } else { -1.0 };
         self.tree.largest(own, &mut self.active_extent);
         self.wake.resize(particles.m.len(), NEVER);
-        let units = Units::new(hydro, h, &particles.m, &rates.v_pred, &derived.cs);
+        let units = Units::new(
+            hydro,
+            &self.tree,
+            h,
+            &particles.m,
+            &rates.v_pred,
+            &derived.cs,
+        );
         let frame = Frame {
             tree: &self.tree,
             domain: &hydro.domain,
@@ -85,7 +95,7 @@ impl Gas {
             push: K::norm(d),
             power: d as i32,
         };
-        packed.fill::<QUADS>(&frame, |i, from_centre| pack.source(i, from_centre));
+        packed.fill::<QUADS>(&frame, |i, d, coarser| pack.source(i, d, coarser));
         pack.paces(&self.tree, &mut self.paces);
         let sweep = Sweep {
             clock,
@@ -98,6 +108,7 @@ impl Gas {
             extent: [&self.extent, &self.active_extent],
             paces: &self.paces,
             three: d == 3,
+            level,
             flux: Flux {
                 norm: K::norm(d),
                 beta_ratio: hydro.viscosity.ratio(),
@@ -158,16 +169,17 @@ impl Pack<'_> {
         });
     }
 
-    /// Reach and row of particle i, which stands at `d` from the middle of its leaf.
+    /// Reach and row of particle i, which stands at `d` from the middle of its leaf, where steps are doubled `coarser` times.
     #[inline(always)]
-    fn source<E: Real>(&self, i: usize, d: Vec3) -> (f64, [Quad<E>; QUADS]) {
+    fn source<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; QUADS]) {
         let (p, derived, units) = (self.particles, self.derived, &self.units);
         let real = E::from_f64;
         let (m, reach) = (p.m[i] / units.mass, self.support * p.h[i] / units.length);
         let rho = derived.rho[i] * (units.length.powi(self.power) / units.mass);
         let specific = derived.p[i] / (derived.rho[i] * units.velocity * units.velocity);
         let push = self.push / reach.powi(self.power + 2) * specific / rho;
-        let x = d.component_div(&units.step).map(E::place);
+        let x = (d * 0.5f64.powi(coarser)).component_div(&units.step);
+        let x = x.map(E::place);
         let v = self.v[i].map(|v| E::place(v / units.velocity_step));
         let active = self.clock.synchronous() || p.end[i] == self.clock.tick;
         let ticks = |n: u32| real(f64::from(n));
@@ -222,6 +234,16 @@ impl Pace {
     }
 }
 
+/// The grid that coordinates about a leaf lie on.
+struct Grid<E> {
+    /// Units of length a step along each axis, and units of velocity a step of velocity.
+    length: [E; 3],
+    velocity: E,
+    /// How many times steps are doubled where the leaf is packed, and where its neighbours are gathered.
+    from: i32,
+    to: i32,
+}
+
 /// All that the leaves share.
 struct Sweep<'a, E> {
     clock: &'a Clock,
@@ -237,6 +259,7 @@ struct Sweep<'a, E> {
     paces: &'a [Pace],
     three: bool,
     flux: Flux,
+    level: Level,
     out: Out<'a>,
 }
 
@@ -266,7 +289,7 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
         let mut met = 0;
         for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
             let coarser = sweep.gather(simd, leaf, region);
-            let steps = sweep.steps(coarser);
+            let grid = sweep.grid(leaf, coarser);
             let range = nodes[leaf].range();
             for i in range.clone() {
                 if (i - range.start) % FEW == 0 {
@@ -276,12 +299,12 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
                 met += usize::from(match pace {
                     Some(pace) => {
                         let mut sums = Even::new(simd);
-                        sweep.target::<K, S, R, _>(simd, i, steps, region, &mut sums);
+                        sweep.target::<K, S, R, _>(simd, i, &grid, region, &mut sums);
                         sweep.write(i, &sums.total::<R>(pace, region.count()))
                     }
                     None => {
                         let mut sums = Mixed::new(simd);
-                        sweep.target::<K, S, R, _>(simd, i, steps, region, &mut sums);
+                        sweep.target::<K, S, R, _>(simd, i, &grid, region, &mut sums);
                         sweep.write(i, &sums.total::<R>())
                     }
                 });
@@ -293,7 +316,6 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
 
 impl<E: Element> Sweep<'_, E> {
     fn run<K: Kernel>(&self, branches: &[u32]) -> usize {
-        let level = Level::new();
         let branches = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
                 let branch = branch as usize;
@@ -312,7 +334,7 @@ impl<E: Element> Sweep<'_, E> {
                     region: &mut space.region,
                     kernel: std::marker::PhantomData,
                 };
-                E::run(level, branch)
+                E::run(self.level, branch)
             })
         });
         branches.sum()
@@ -321,7 +343,10 @@ impl<E: Element> Sweep<'_, E> {
     /// The box around some particles, and the largest of their reaches.
     #[inline(always)]
     fn span(&self, few: Range<usize>) -> ([[E; 3]; 2], f64) {
-        let mut span = [[E::from_f64(f64::INFINITY); 3], [E::from_f64(f64::NEG_INFINITY); 3]];
+        let mut span = [
+            [E::from_f64(f64::INFINITY); 3],
+            [E::from_f64(f64::NEG_INFINITY); 3],
+        ];
         let mut reach: f64 = 0.0;
         for i in few {
             reach = reach.max(self.packed.reach(i));
@@ -358,16 +383,21 @@ impl<E: Element> Sweep<'_, E> {
         self.clock.synchronous() || self.end[i] == self.clock.tick
     }
 
-    /// Units of length, and of velocity, a step of the grids.
+    /// The grid about a leaf on which steps are doubled `to` times.
     #[inline(always)]
-    fn steps(&self, coarser: i32) -> ([E; 3], E) {
+    fn grid(&self, leaf: usize, to: i32) -> Grid<E> {
         let units = &self.frame.units;
-        let scale = (0..coarser).fold(1.0 / units.length, |scale, _| 2.0 * scale);
+        let scale = (0..to).fold(1.0 / units.length, |scale, _| 2.0 * scale);
         let mut length = [E::default(); 3];
         for (a, length) in length.iter_mut().enumerate() {
             *length = E::from_f64(units.step[a] * scale);
         }
-        (length, E::from_f64(units.velocity_step / units.velocity))
+        Grid {
+            length,
+            velocity: E::from_f64(units.velocity_step / units.velocity),
+            from: self.packed.middle(leaf).coarser,
+            to,
+        }
     }
 
     /// Gathers what may meet the leaf's particles: everything if some of them are active, else active particles alone.
@@ -375,7 +405,7 @@ impl<E: Element> Sweep<'_, E> {
     fn gather<S: Simd>(&self, simd: S, leaf: usize, region: &mut Region<E>) -> i32 {
         let all = self.extent[1][leaf] >= 0.0;
         let node = &self.frame.tree.nodes[leaf];
-        let (centre, unit) = (self.packed.centre(leaf), self.frame.units.length);
+        let (centre, unit) = (self.packed.middle(leaf).x, self.frame.units.length);
         let mut span = [[E::default(); 3]; 2];
         for a in (0..3).filter(|&a| self.frame.domain.axes[a]) {
             span[0][a] = E::from_f64((node.lo[a] - centre[a]) / unit);
@@ -399,11 +429,12 @@ impl<E: Element> Sweep<'_, E> {
         &self,
         simd: S,
         i: usize,
-        (length, velocity): ([E; 3], E),
+        grid: &Grid<E>,
         region: &mut Region<E>,
         sums: &mut T,
     ) {
-        let row = self.packed.row(i);
+        let mut row = self.packed.row(i);
+        row[0] = E::moved(row[0], [0.0; 3], grid.from, grid.to);
         let own = Member::<S, E>::alone::<R>(simd, &row, self.three);
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
@@ -416,9 +447,13 @@ impl<E: Element> Sweep<'_, E> {
                 region.quad::<S, R>(simd, 3, first),
             ];
             let other = Member::new::<R>(simd, columns, self.three);
-            let pair = Separation::new(simd, &row, &columns, length, velocity);
+            let pair = Separation::new(simd, &row, &columns, grid.length, grid.velocity);
             let flux = (self.flux).between::<K, S, E, R>(simd, &own, &other, &pair);
-            let force = [flux[0] * pair.d[0], flux[0] * pair.d[1], flux[0] * pair.d[2]];
+            let force = [
+                flux[0] * pair.d[0],
+                flux[0] * pair.d[1],
+                flux[0] * pair.d[2],
+            ];
             sums.add(simd, &own, &other, force, flux[1]);
         }
     }
@@ -467,7 +502,11 @@ fn scaled(factor: f64, [x, y, z]: [f64; 3]) -> Vec3 {
 /// A row of what is beyond any kernel and has no mass.
 fn nobody<E: Real>() -> [Quad<E>; QUADS] {
     // Beyond what the coordinates of the candidates span: the difference is a whole number still.
-    let far = E::place(if E::STEPS.is_finite() { 2.5 * E::STEPS } else { 1e30 });
+    let far = E::place(if E::STEPS.is_finite() {
+        2.5 * E::STEPS
+    } else {
+        1e30
+    });
     let (zero, one) = (E::from_f64(0.0), E::from_f64(1.0));
     let never = E::from_f64(f64::INFINITY);
     [

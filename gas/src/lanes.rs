@@ -41,8 +41,9 @@ pub trait Real: SimdFloatElement + Default + Send + Sync + 'static {
     fn place(steps: f64) -> Self;
     /// An offset of coordinates counted in steps, a whole number on a grid.
     fn offset(steps: [f64; 3]) -> [f64; 3];
-    /// A quad whose first three values, coordinates in steps, are moved by an offset, on a grid 2^`coarser` times coarser.
-    fn moved(quad: Quad<Self>, offset: [f64; 3], coarser: i32) -> Quad<Self>;
+    /// A quad whose first three values, coordinates in steps doubled `from` times, are moved by an offset and counted in steps doubled
+    /// `to` times.
+    fn moved(quad: Quad<Self>, offset: [f64; 3], from: i32, to: i32) -> Quad<Self>;
     /// The difference of coordinates in steps: exact for f32, but for one rounding.
     fn apart<S: Simd>(simd: S, there: Lanes<S, Self>, here: Self) -> Lanes<S, Self>;
     /// Adds to sums in double precision.
@@ -78,7 +79,12 @@ pub trait Machine<S: Simd, E: Real> {
     #[inline(always)]
     fn totals(v: [Lanes<S, E>; 4]) -> [f64; 4] {
         let [a, b, c, d] = v;
-        [Self::total(a), Self::total(b), Self::total(c), Self::total(d)]
+        [
+            Self::total(a),
+            Self::total(b),
+            Self::total(c),
+            Self::total(d),
+        ]
     }
 
     /// Sum over the lanes in double precision.
@@ -218,15 +224,15 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn moved(mut quad: Quad<Self>, [x, y, z]: [f64; 3], coarser: i32) -> Quad<Self> {
-        if coarser == 0 {
+    fn moved(mut quad: Quad<Self>, [x, y, z]: [f64; 3], from: i32, to: i32) -> Quad<Self> {
+        if from == 0 && to == 0 {
             for (value, offset) in quad.0.iter_mut().zip([x, y, z, 0.0]) {
                 *value = f32::from_bits(value.to_bits().wrapping_add(offset as i32 as u32));
             }
         } else {
             for (value, offset) in quad.0.iter_mut().zip([x, y, z]) {
-                let steps = f64::from(value.to_bits() as i32) + offset;
-                *value = Self::place(steps * 0.5f64.powi(coarser));
+                let steps = f64::from(value.to_bits() as i32) * 2f64.powi(from) + offset;
+                *value = Self::place(steps * 0.5f64.powi(to));
             }
         }
         quad
@@ -296,7 +302,7 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn moved(mut quad: Quad<Self>, [x, y, z]: [f64; 3], _coarser: i32) -> Quad<Self> {
+    fn moved(mut quad: Quad<Self>, [x, y, z]: [f64; 3], _from: i32, _to: i32) -> Quad<Self> {
         for (value, offset) in quad.0.iter_mut().zip([x, y, z]) {
             *value += offset;
         }

@@ -23,11 +23,14 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The middle of a leaf, on the grid; zero along missing axes.
-    fn centre(&self, leaf: usize) -> Vec3 {
-        let step = self.units.step;
-        let steps = self.tree.nodes[leaf].centre().component_div(&step);
-        (self.domain).in_plane(steps.map(f64::round).component_mul(&step))
+    fn middle<E: Real>(&self, leaf: usize) -> Middle {
+        let (node, step) = (&self.tree.nodes[leaf], self.units.step);
+        let steps = node.centre().component_div(&step).map(f64::round);
+        let half = 0.5 * (node.hi - node.lo).amax() + step.max();
+        Middle {
+            x: self.domain.in_plane(steps.component_mul(&step)),
+            coarser: coarser::<E>(&self.units, half / self.units.length),
+        }
     }
 
     /// Calls `visit(node, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
@@ -95,6 +98,26 @@ pub fn branches(tree: &Tree, branches: &mut Vec<u32>) {
 /// A box: its least and its largest coordinates.
 pub type Span = (Vec3, Vec3);
 
+/// The middle of a leaf, on the grid, zero along missing axes; and how many times the steps of the leaf's own grid are doubled.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Middle {
+    pub x: Vec3,
+    pub coarser: i32,
+}
+
+/// How many times steps are to be doubled for whole numbers of them to reach `far`, in units of length.
+#[inline(always)]
+fn coarser<E: Real>(units: &Units, far: f64) -> i32 {
+    let step = units.step;
+    let mut room = E::STEPS * step.x.min(step.y).min(step.z) / units.length;
+    let mut coarser = 0;
+    while room < far {
+        room *= 2.0;
+        coarser += 1;
+    }
+    coarser
+}
+
 /// All particles as the sweeps see them.
 #[derive(Clone, Debug, Default)]
 pub struct Packed<E> {
@@ -103,18 +126,19 @@ pub struct Packed<E> {
     /// The particle's own reach, negative if it is not active.
     reach: Vec<E>,
     /// Middles of the leaves, by node.
-    centres: Vec<Vec3>,
+    middles: Vec<Middle>,
     /// Rows of `stride` quads.
     quads: Vec<Quad<E>>,
     stride: usize,
 }
 
 impl<E: Real> Packed<E> {
-    /// Packs all particles: `source(i, d)` is the reach and the row of particle i, which stands at d from the middle of its leaf.
+    /// Packs all particles: `source(i, d, coarser)` is the reach and the row of particle i, which stands at d from the middle of its
+    /// leaf, where steps are doubled `coarser` times.
     pub fn fill<const Q: usize>(
         &mut self,
         frame: &Frame,
-        source: impl Fn(usize, Vec3) -> (f64, [Quad<E>; Q]) + Sync,
+        source: impl Fn(usize, Vec3, i32) -> (f64, [Quad<E>; Q]) + Sync,
     ) {
         let n = frame.x.len();
         self.stride = Q;
@@ -122,17 +146,18 @@ impl<E: Real> Packed<E> {
             column.resize(n + MOST, E::default());
         }
         self.quads.resize(n * Q, Quad::default());
-        self.centres.resize(frame.tree.nodes.len(), Vec3::zeros());
-        let centres = Parts::new(&mut self.centres);
+        self.middles
+            .resize(frame.tree.nodes.len(), Middle::default());
+        let middles = Parts::new(&mut self.middles);
         let x = self.x.each_mut().map(|x| Parts::new(x));
         let (reaches, quads) = (Parts::new(&mut self.reach), Parts::new(&mut self.quads));
         let by_length = 1.0 / frame.units.length;
         frame.tree.leaves.par_iter().for_each(|&leaf| {
             let leaf = leaf as usize;
-            let centre = frame.centre(leaf);
+            let middle = frame.middle::<E>(leaf);
             let range = frame.tree.nodes[leaf].range();
             // SAFETY: a leaf's task alone touches the leaf and its particles.
-            unsafe { centres.part(leaf..leaf + 1)[0] = centre };
+            unsafe { middles.part(leaf..leaf + 1)[0] = middle };
             // SAFETY: as above.
             let (mut x, reaches, quads) = unsafe {
                 (
@@ -143,8 +168,8 @@ impl<E: Real> Packed<E> {
             };
             let rows = quads.as_chunks_mut::<Q>().0;
             for (k, (row, i)) in rows.iter_mut().zip(range).enumerate() {
-                let d = frame.domain.in_plane(frame.x[i]) - centre;
-                let (reach, quads) = source(i, d);
+                let d = frame.domain.in_plane(frame.x[i]) - middle.x;
+                let (reach, quads) = source(i, d, middle.coarser);
                 *row = quads;
                 reaches[k] = E::from_f64(reach);
                 for (x, d) in x.iter_mut().zip(&d) {
@@ -154,10 +179,10 @@ impl<E: Real> Packed<E> {
         });
     }
 
-    /// The middle of a leaf, on the grid; zero along missing axes.
+    /// The middle of a leaf.
     #[inline(always)]
-    pub fn centre(&self, leaf: usize) -> Vec3 {
-        self.centres[leaf]
+    pub fn middle(&self, leaf: usize) -> Middle {
+        self.middles[leaf]
     }
 
     /// Coordinates of particle i from the middle of its leaf.
@@ -289,7 +314,7 @@ impl<E: Real> Region<E> {
     pub fn gather<S: Simd>(&mut self, simd: S, search: &Search<'_, E>) -> f64 {
         let Search { frame, leaf, .. } = *search;
         let unit = frame.units.length;
-        let origin = search.packed.centre(leaf);
+        let origin = search.packed.middle(leaf).x;
         let slack = Self::margin(unit);
         let (mut lo, mut hi) = (origin, origin);
         for a in 0..3 {
@@ -306,7 +331,7 @@ impl<E: Real> Region<E> {
                 visited += node.count();
                 self.runs.push(Run {
                     node: leaf,
-                    offset: search.packed.centre(leaf as usize) + shift - origin,
+                    offset: search.packed.middle(leaf as usize).x + shift - origin,
                     end: 0,
                 });
             }
@@ -319,7 +344,9 @@ impl<E: Real> Region<E> {
         for run in 0..self.runs.len() {
             far = self.sift(simd, search, run, far);
         }
-        far.as_slice().iter().fold(0.0, |far, x| far.max(x.to_f64()))
+        far.as_slice()
+            .iter()
+            .fold(0.0, |far, x| far.max(x.to_f64()))
     }
 
     /// Picks the candidates of a run.
@@ -399,7 +426,9 @@ impl<E: Real> Region<E> {
         let (lo, hi) = (splat(simd, span[0]), splat(simd, span[1]));
         let mut widest: f64 = 0.0;
         for a in 0..3 {
-            widest = widest.max(span[1][a].to_f64().abs()).max(span[0][a].to_f64().abs());
+            widest = widest
+                .max(span[1][a].to_f64().abs())
+                .max(span[0][a].to_f64().abs());
         }
         let far = reach * (1.0 + Self::margin(1.0)) + Self::margin(widest);
         let far = same::<S, E>(simd, far * far);
@@ -412,7 +441,11 @@ impl<E: Real> Region<E> {
         let mut numbers = E::numbers(simd, 0, self.stride);
         let (mut first, mut at) = (0, 0);
         while first < end {
-            let x = [load(simd, x, first), load(simd, y, first), load(simd, z, first)];
+            let x = [
+                load(simd, x, first),
+                load(simd, y, first),
+                load(simd, z, first),
+            ];
             let mut gap2 = zero;
             for a in 0..3 {
                 let gap = (lo[a] - x[a]).max(x[a] - hi[a]).max(zero);
@@ -463,12 +496,7 @@ impl<E: Real> Region<E> {
         for x in search.span[0].iter().chain(&search.span[1]) {
             widest = widest.max(far + x.to_f64().abs());
         }
-        let mut room = E::STEPS * step.x.min(step.y).min(step.z) / frame.units.length;
-        let mut coarser = 0;
-        while room < widest {
-            room *= 2.0;
-            coarser += 1;
-        }
+        let to = coarser::<E>(&frame.units, widest);
         self.stride = Q;
         let len = self.wide.len;
         let room = (len + 1) * Q;
@@ -479,20 +507,24 @@ impl<E: Real> Region<E> {
         let mut start = 0;
         for run in &self.runs {
             let end = run.end as usize;
+            let from = packed.middle(run.node as usize).coarser;
             let offset = E::offset([
                 run.offset.x / step.x,
                 run.offset.y / step.y,
                 run.offset.z / step.z,
             ]);
-            for (row, index) in rows[start..end].iter_mut().zip(&self.wide.number[start..end]) {
+            for (row, index) in rows[start..end]
+                .iter_mut()
+                .zip(&self.wide.number[start..end])
+            {
                 let first = index.index();
                 row.copy_from_slice(&packed.quads[first..first + Q]);
-                row[0] = E::moved(row[0], offset, coarser);
+                row[0] = E::moved(row[0], offset, from, to);
             }
             start = end;
         }
         rows[len] = nobody;
-        coarser
+        to
     }
 
     /// Makes room for lists of all candidates.

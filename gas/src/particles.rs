@@ -5,6 +5,7 @@
 //! and for inactive ones with an active neighbour, so that momentum is exchanged pair by pair whatever the steps are. Between its ticks
 //! a particle is seen through its prediction (`v_pred`, `u_pred`, `h`, `rho`).
 
+use fearless_simd::Level;
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
@@ -109,6 +110,8 @@ pub struct Gas {
     pub(crate) paces: Vec<Pace>,
     /// All gas as the sweeps see it.
     pub(crate) packed: Both,
+    /// Whether sweeps do without the machine's widest instructions, as on machines that have none.
+    pub(crate) portable: bool,
     /// Size of the leaves altogether when the gas was sorted.
     leaf_size: f64,
     curve: Curve,
@@ -188,6 +191,15 @@ impl Gas {
         self.derived.retain(keep);
         self.rates.retain(keep);
         self.sort();
+    }
+
+    /// The instructions that sweeps use.
+    pub(crate) fn level(&self) -> Level {
+        if self.portable {
+            Level::baseline()
+        } else {
+            Level::new()
+        }
     }
 
     /// Acceleration by everything but drag, of particle i.

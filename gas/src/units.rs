@@ -4,7 +4,7 @@
 //! compute the same force to the last bit. Along a periodic axis the period is a whole number of steps. A leaf whose neighbours lie
 //! too far apart for whole numbers takes a coarser grid of its own.
 
-use nbody::points::{Domain, Vec3, sum};
+use nbody::points::{Domain, Tree, Vec3, sum};
 
 use crate::Hydro;
 
@@ -51,8 +51,8 @@ impl std::ops::Add for Sizes {
 }
 
 impl Units {
-    /// Units for particles of smoothing lengths `h`, masses `m`, velocities `v` and sound speeds `cs`.
-    pub fn new(hydro: &Hydro, h: &[f64], m: &[f64], v: &[Vec3], cs: &[f64]) -> Self {
+    /// Units for particles of smoothing lengths `h` (zero if not known), masses `m`, velocities `v` and sound speeds `cs`.
+    pub fn new(hydro: &Hydro, tree: &Tree, h: &[f64], m: &[f64], v: &[Vec3], cs: &[f64]) -> Self {
         let none = Sizes {
             h: 0.0,
             least_h: f64::INFINITY,
@@ -74,7 +74,17 @@ impl Units {
                     }
             })
         });
-        let length = power_of_two(hydro.support() * sizes.h / n as f64);
+        let length = if sizes.h > 0.0 {
+            hydro.support() * sizes.h / n as f64
+        } else {
+            // Nothing is known yet: what is between particles that fill their box.
+            let side = hydro
+                .domain
+                .in_plane(tree.nodes[0].hi - tree.nodes[0].lo)
+                .norm();
+            side / (n as f64).powf(1.0 / hydro.dimensions() as f64)
+        };
+        let length = power_of_two(length);
         let least_h = if sizes.least_h.is_finite() {
             sizes.least_h
         } else {

@@ -54,3 +54,6 @@ macro_rules! element {
 
 element!(f32, single);
 element!(f64, double);
+
+#[cfg(test)]
+mod tests;

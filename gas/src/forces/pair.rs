@@ -33,11 +33,7 @@ pub struct Member<S: Simd, E: Real> {
 impl<S: Simd, E: Real> Member<S, E> {
     /// From the columns of some rows.
     #[inline(always)]
-    pub fn new<R: Machine<S, E>>(
-        simd: S,
-        columns: [[Lanes<S, E>; 4]; QUADS],
-        three: bool,
-    ) -> Self {
+    pub fn new<R: Machine<S, E>>(simd: S, columns: [[Lanes<S, E>; 4]; QUADS], three: bool) -> Self {
         let [[.., m], [.., g], [reach, push, rho, cs], last] = columns;
         let [alpha, age, span, next_span] = last;
         let inverse = R::reciprocal(simd, reach);

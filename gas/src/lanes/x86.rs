@@ -63,15 +63,22 @@ kernel!(
         c: f32x16<Avx512>,
         d: f32x16<Avx512>,
     ) -> __m128 {
-        let (a, b, c, d): (__m512, __m512, __m512, __m512) = (a.into(), b.into(), c.into(), d.into());
+        let (a, b, c, d): (__m512, __m512, __m512, __m512) =
+            (a.into(), b.into(), c.into(), d.into());
         let ab = _mm512_add_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
         let cd = _mm512_add_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
         let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
         let low = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
         let high = _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd));
         let all = _mm512_add_ps(low, high);
-        let half = _mm256_add_ps(_mm512_castps512_ps256(all), _mm512_extractf32x8_ps::<1>(all));
-        _mm_add_ps(_mm256_castps256_ps128(half), _mm256_extractf128_ps::<1>(half))
+        let half = _mm256_add_ps(
+            _mm512_castps512_ps256(all),
+            _mm512_extractf32x8_ps::<1>(all),
+        );
+        _mm_add_ps(
+            _mm256_castps256_ps128(half),
+            _mm256_extractf128_ps::<1>(half),
+        )
     }
 );
 kernel!(
@@ -95,7 +102,12 @@ kernel!(
 fn four(v: __m128) -> [f64; 4] {
     // SAFETY: both are four f32 in a row.
     let v: [f32; 4] = unsafe { core::mem::transmute(v) };
-    [f64::from(v[0]), f64::from(v[1]), f64::from(v[2]), f64::from(v[3])]
+    [
+        f64::from(v[0]),
+        f64::from(v[1]),
+        f64::from(v[2]),
+        f64::from(v[3]),
+    ]
 }
 
 /// Where quads stand in memory.
@@ -177,11 +189,7 @@ kernel!(
 
 /// Where the quads of some rows stand.
 #[inline(always)]
-fn places<E: Real, const N: usize>(
-    quads: &[Quad<E>],
-    part: usize,
-    numbers: &[E],
-) -> Places<E, N> {
+fn places<E: Real, const N: usize>(quads: &[Quad<E>], part: usize, numbers: &[E]) -> Places<E, N> {
     let mut places = [core::ptr::null(); N];
     for (place, number) in places.iter_mut().zip(&numbers[..N]) {
         *place = quads.as_ptr().wrapping_add(number.index() + part).cast();
