@@ -425,10 +425,8 @@ impl<E: Real> Region<E> {
         self.count = 0;
         let (lo, hi) = (splat(simd, span[0]), splat(simd, span[1]));
         let mut widest: f64 = 0.0;
-        for a in 0..3 {
-            widest = widest
-                .max(span[1][a].to_f64().abs())
-                .max(span[0][a].to_f64().abs());
+        for x in span[0].iter().chain(&span[1]) {
+            widest = widest.max(x.to_f64().abs());
         }
         let far = reach * (1.0 + Self::margin(1.0)) + Self::margin(widest);
         let far = same::<S, E>(simd, far * far);

@@ -139,10 +139,11 @@ impl<S: Simd, E: Real> Sums<S, E> for Mixed<S, E> {
         // The later begin of a pair is the lesser age.
         let closing = own.age.min(other.age) - own.span.min(other.span) * half;
         let opening = own.next_span.min(other.next_span) * half;
-        for a in 0..3 {
-            E::accumulate(&mut self.force[0][a], force[a]);
-            E::accumulate(&mut self.force[1][a], closing * force[a]);
-            E::accumulate(&mut self.force[2][a], opening * force[a]);
+        let [rate, close, open] = &mut self.force;
+        for (a, &force) in force.iter().enumerate() {
+            E::accumulate(&mut rate[a], force);
+            E::accumulate(&mut close[a], closing * force);
+            E::accumulate(&mut open[a], opening * force);
         }
         self.heat[0] += heat;
         self.heat[1] = closing.mul_add(heat, self.heat[1]);

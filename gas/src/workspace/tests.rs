@@ -187,8 +187,12 @@ fn a_dense_clump_in_thin_gas_has_its_forces() {
     let single = pushed(gas.clone(), &with(&hydro, Precision::Single));
     let double = pushed(gas, &hydro);
     let differences = differences(&double, &single);
-    println!("{differences:?}");
+    let bars = [1.8e-6, 4e-7, 5e-8, 2.4e-6, 5e-8];
+    assert!(
+        differences.iter().zip(bars).all(|(x, bar)| *x < bar),
+        "{differences:?}"
+    );
+    // Members of a pair see each other on different grids where the clump meets the gas.
     let (force, size) = balance(&single);
-    println!("{:e}", force.norm() / size);
-    assert!(differences.iter().all(|&x| x < 1.0));
+    assert!(force.norm() < 1.1e-6 * size, "{:e}", force.norm() / size);
 }
