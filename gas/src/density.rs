@@ -76,7 +76,7 @@ impl Gas {
         if self.is_empty() {
             return Ok(0);
         }
-        let level = self.level();
+        let level = self.level.unwrap_or_else(Level::new);
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived) = (&mut self.particles, &mut self.derived);
         let (h, m, v) = (&particles.h, &particles.m, &self.rates.v_pred);

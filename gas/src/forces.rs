@@ -60,7 +60,7 @@ impl Gas {
         if self.is_empty() {
             return 0;
         }
-        let level = self.level();
+        let level = self.level.unwrap_or_else(Level::new);
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived, rates) = (&self.particles, &self.derived, &mut self.rates);
         let (support, h) = (hydro.support(), &particles.h);

@@ -110,8 +110,8 @@ pub struct Gas {
     pub(crate) paces: Vec<Pace>,
     /// All gas as the sweeps see it.
     pub(crate) packed: Both,
-    /// Whether sweeps do without the machine's widest instructions, as on machines that have none.
-    pub(crate) portable: bool,
+    /// The instructions that sweeps use, if not the machine's best.
+    pub(crate) level: Option<Level>,
     /// Size of the leaves altogether when the gas was sorted.
     leaf_size: f64,
     curve: Curve,
@@ -191,15 +191,6 @@ impl Gas {
         self.derived.retain(keep);
         self.rates.retain(keep);
         self.sort();
-    }
-
-    /// The instructions that sweeps use.
-    pub(crate) fn level(&self) -> Level {
-        if self.portable {
-            Level::baseline()
-        } else {
-            Level::new()
-        }
     }
 
     /// Acceleration by everything but drag, of particle i.

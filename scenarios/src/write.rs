@@ -9,8 +9,8 @@ use crate::read::gravity::MASSES;
 use crate::scene::{
     Block, BodyDrag, Collisions, Cooling, Coordinates, Disk, DiskAmount, Dust, DustAmount,
     DustDrag, Eos, Formulation, Gas, GravityMethod, Hydro, Integrator, Kernel, Lattice, Opening,
-    Orbit, Planet, Planetesimals, Precision, Preset, Scene, Sizes, Snapshots, Softening, Thermal, TimeStep,
-    Viscosity,
+    Orbit, Planet, Planetesimals, Precision, Preset, Scene, Sizes, Snapshots, Softening, Thermal,
+    TimeStep, Viscosity,
 };
 use crate::units::System;
 

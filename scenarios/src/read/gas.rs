@@ -341,10 +341,7 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
     let neighbours = section.number("neighbours", NEIGHBOURS);
     let courant = section.number("courant", Range::FRACTION);
     let tolerance = section.number("tolerance", TOLERANCE);
-    let precisions = [
-        ("single", Precision::Single),
-        ("double", Precision::Double),
-    ];
+    let precisions = [("single", Precision::Single), ("double", Precision::Double)];
     let precision = section.choice("precision", &precisions, &[]);
     section.close();
     Hydro {
