@@ -1,10 +1,10 @@
 //! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
 //!
-//! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps]
+//! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps] [precision: double | single]
 
 use std::f64::consts::TAU;
 
-use gas::{Eos, Gas, Hydro, KernelKind, Particles};
+use gas::{Eos, Gas, Hydro, KernelKind, Particles, Precision};
 use nbody::points::clock::Pacing;
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
@@ -22,6 +22,9 @@ fn main() {
         hydro.kernel = KernelKind::CubicSpline;
     }
     hydro.neighbours = number(2, hydro.neighbours);
+    if words.get(4).is_some_and(|word| word == "single") {
+        hydro.precision = Precision::Single;
+    }
     let mut gas = jittered(number(0, 48.0) as usize);
     let mut cost = [
         ("density", 0.0),
@@ -72,8 +75,9 @@ fn main() {
         timed(5, &mut || gas.refit(&domain, &clock));
     }
     println!(
-        "N {} {:?} {} neighbours, {updates} updates in {steps} steps",
+        "N {} {:?} {:?} {} neighbours, {updates} updates in {steps} steps",
         gas.len(),
+        hydro.precision,
         hydro.kernel,
         hydro.neighbours
     );

@@ -8,36 +8,47 @@
 //! Sources: Springel & Hernquist (2002); Hopkins (2013), eq. 12 for the number-density constraint;
 //! Dehnen & Aly (2012) for e.
 
-use std::cell::RefCell;
 use std::ops::Range;
 
-use fearless_simd::{Level, Select, Simd, SimdBase, dispatch, f64x8};
+use fearless_simd::{Level, Simd, SimdBase};
 use nbody::points::sum::{CHUNK, Parts};
-use nbody::points::{Clock, Fault, Population, Tree, Vec3};
+use nbody::points::{Clock, Fault, Population, Vec3};
 use rayon::prelude::*;
 
-use crate::kernel::unit_sphere;
-use crate::neighbours::{Candidates, LANES, Lanes, List, Search, bounding, total};
+use crate::lanes::{Job, Lanes, Machine, Quad, Real, load};
+use crate::neighbours::{FEW, Frame, Packed, Region, Search, branches};
+use crate::units::Units;
 use crate::viscosity::Flow;
-use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, WendlandC2};
+use crate::workspace::Element;
+use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, Precision, WendlandC2};
+
+mod law;
+mod sums;
+
+use law::{Law, Trial};
+use sums::{Local, Own, QUADS, Sums};
 
 /// How much farther than the predicted support a search goes, so that the solution lies inside.
 const SLACK: f64 = 1.04;
-
-/// A distance that no two particles apart have; keeps coincident ones from dividing by zero.
-const TINY: f64 = 1e-150;
-
-/// The solver for H gives up after this many evaluations.
-const TRIES: usize = 100;
 
 impl Gas {
     /// Renews what follows from the state: for active particles h and all of `derived`; for the others, which are predicted, pressure and
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         self.thermal_state(hydro, centre);
-        match hydro.kernel {
-            KernelKind::CubicSpline => self.density_with::<CubicSpline>(hydro, clock),
-            KernelKind::WendlandC2 => self.density_with::<WendlandC2>(hydro, clock),
+        match (hydro.kernel, hydro.precision) {
+            (KernelKind::CubicSpline, Precision::Single) => {
+                self.density_with::<CubicSpline, f32>(hydro, clock)
+            }
+            (KernelKind::CubicSpline, Precision::Double) => {
+                self.density_with::<CubicSpline, f64>(hydro, clock)
+            }
+            (KernelKind::WendlandC2, Precision::Single) => {
+                self.density_with::<WendlandC2, f32>(hydro, clock)
+            }
+            (KernelKind::WendlandC2, Precision::Double) => {
+                self.density_with::<WendlandC2, f64>(hydro, clock)
+            }
         }
     }
 
@@ -57,8 +68,29 @@ impl Gas {
             });
     }
 
-    fn density_with<K: Kernel>(&mut self, hydro: &Hydro, clock: &Clock) -> Result<usize, Fault> {
+    fn density_with<K: Kernel, E: Element>(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+    ) -> Result<usize, Fault> {
+        if self.is_empty() {
+            return Ok(0);
+        }
+        let level = self.level.unwrap_or_else(Level::new);
+        let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived) = (&mut self.particles, &mut self.derived);
+        let (h, m, v) = (&particles.h, &particles.m, &self.rates.v_pred);
+        let units = Units::new(hydro, &self.tree, h, m, v, &derived.cs);
+        let frame = Frame {
+            tree: &self.tree,
+            domain: &hydro.domain,
+            x: &particles.x,
+            units,
+        };
+        let (span, cs) = (&particles.span, &derived.cs);
+        packed.fill::<QUADS>(&frame, |i, _, _| {
+            (0.0, source(&units, m[i], v[i], cs[i], span[i]))
+        });
         let out = Out {
             h: Parts::new(&mut particles.h),
             alpha: Parts::new(&mut particles.alpha),
@@ -70,35 +102,33 @@ impl Gas {
             v_sig: Parts::new(&mut derived.v_sig),
             near_span: Parts::new(&mut derived.near_span),
         };
-        let root = self.tree.nodes.first();
-        let extent = root.map_or(0.0, |root| hydro.domain.in_plane(root.hi - root.lo).norm());
+        let root = &self.tree.nodes[0];
+        let extent = hydro.domain.in_plane(root.hi - root.lo).norm();
         let sweep = Sweep {
             hydro,
             clock,
-            tree: &self.tree,
-            x: &particles.x,
-            m: &particles.m,
+            frame,
+            packed: &packed,
             end: &particles.end,
-            span: &particles.span,
+            m: &particles.m,
             cs: &derived.cs,
-            v: &self.rates.v_pred,
             u: &self.rates.u_pred,
-            largest: hydro.largest_reach(extent),
+            largest: hydro.largest_reach(extent) / units.length,
+            density: units.mass / units.length.powi(hydro.dimensions() as i32),
+            h_by_reach: units.length / hydro.support(),
             law: Law::new::<K>(hydro),
-            level: Level::new(),
+            level,
+            out,
         };
-        let tally = (self.tree.leaves.par_iter())
-            .map(|&leaf| {
-                let range = self.tree.nodes[leaf as usize].range();
-                BUFFERS.with_borrow_mut(|buffers| sweep.leaf::<K>(range, buffers, &out))
-            })
-            .reduce(Tally::default, Tally::and);
+        branches(&self.tree, &mut self.branches);
+        let tally = sweep.run::<K>(&self.branches);
+        *E::packed(&mut self.packed) = packed;
         match tally.failed {
             None => Ok(tally.targets),
             Some((i, reach)) => Err(Fault::DensityNotConverged {
                 population: Population::Gas,
-                id: particles.id[i],
-                smoothing_length: reach / hydro.support(),
+                id: self.particles.id[i],
+                smoothing_length: reach * units.length / hydro.support(),
                 time: clock.time(),
             }),
         }
@@ -125,21 +155,27 @@ impl Tally {
     }
 }
 
-#[derive(Default)]
-struct Buffers {
-    candidates: Candidates,
-    list: List,
-    r: Vec<Lanes>,
-    pending: Vec<Target>,
-}
-
-thread_local! {
-    static BUFFERS: RefCell<Buffers> = RefCell::default();
+/// What a particle brings into the sums.
+#[inline(always)]
+fn source<E: Real>(units: &Units, m: f64, v: Vec3, cs: f64, span: u32) -> [Quad<E>; QUADS] {
+    let zero = E::default();
+    let v = v.map(|v| E::place(v / units.velocity_step));
+    // Before the first step there is none that could limit others.
+    let span = if span == 0 {
+        f64::INFINITY
+    } else {
+        f64::from(span)
+    };
+    let cs = E::from_f64(cs / units.velocity);
+    [
+        Quad([E::from_f64(m / units.mass), v.x, v.y, v.z]),
+        Quad([cs, E::from_f64(span), zero, zero]),
+    ]
 }
 
 /// A particle whose H is sought within `radius`, beginning at `start`.
-#[derive(Clone, Copy)]
-struct Target {
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
     i: usize,
     start: f64,
     radius: f64,
@@ -147,22 +183,14 @@ struct Target {
 
 /// What became of a target.
 enum Outcome {
-    Done(Local),
+    Done {
+        local: Local,
+        reach: f64,
+    },
     /// H is larger; to be tried again within this radius.
     Wider(f64),
     /// There is none; last try.
     Failed(f64),
-}
-
-/// The sums over the neighbours of a particle.
-struct Local {
-    h: f64,
-    rho: f64,
-    grad_h: f64,
-    div_v: f64,
-    curl_v: f64,
-    v_sig: f64,
-    near_span: u32,
 }
 
 /// The columns that the sweep writes.
@@ -178,77 +206,162 @@ struct Out<'a> {
     near_span: Parts<'a, u32>,
 }
 
-struct Sweep<'a> {
+/// All that the leaves share; lengths, velocities and masses in the units of the frame.
+struct Sweep<'a, E> {
     hydro: &'a Hydro,
     clock: &'a Clock,
-    tree: &'a Tree,
-    x: &'a [Vec3],
-    m: &'a [f64],
+    frame: Frame<'a>,
+    packed: &'a Packed<E>,
     end: &'a [u32],
-    span: &'a [u32],
+    m: &'a [f64],
     cs: &'a [f64],
-    v: &'a [Vec3],
     u: &'a [f64],
     /// The largest H.
     largest: f64,
+    /// Code units a unit of density, and smoothing length in code units a unit of H.
+    density: f64,
+    h_by_reach: f64,
     law: Law,
     level: Level,
+    out: Out<'a>,
 }
 
-impl Sweep<'_> {
-    fn leaf<K: Kernel>(&self, range: Range<usize>, buffers: &mut Buffers, out: &Out) -> Tally {
+/// The sweep over the leaves of a branch.
+struct Branch<'a, E, K> {
+    sweep: &'a Sweep<'a, E>,
+    branch: usize,
+    region: &'a mut Region<E>,
+    pending: &'a mut Vec<Target>,
+    /// How far the leaves around have been sought, code units.
+    sought: f64,
+    kernel: std::marker::PhantomData<K>,
+}
+
+impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
+    type Output = Tally;
+
+    #[inline(always)]
+    fn run<S: Simd, R: Machine<S, E>>(self, simd: S) -> Tally {
+        let Self {
+            sweep,
+            branch,
+            region,
+            pending,
+            mut sought,
+            ..
+        } = self;
+        let nodes = &sweep.frame.tree.nodes;
         let mut tally = Tally::default();
-        let mut pending = std::mem::take(&mut buffers.pending);
-        pending.clear();
-        for i in range.clone() {
-            if self.clock.synchronous() || self.end[i] == self.clock.tick {
-                pending.push(self.target(i, &range, out));
+        for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
+            tally = tally.and(sweep.targets(leaf, pending));
+            while !pending.is_empty() {
+                let (span, reach) = sweep.span(pending);
+                if reach * sweep.frame.units.length > sought {
+                    sought = reach * sweep.frame.units.length;
+                    (region.around).find(&sweep.frame, branch, sought, &[]);
+                }
+                sweep.gather(simd, leaf, (span, reach), region);
+                let failed = sweep.settle::<K, S, R>(simd, region, pending);
+                tally = tally.and(Tally { targets: 0, failed });
             }
         }
-        tally.targets = pending.len();
-        while !pending.is_empty() {
-            let search = Search {
-                tree: self.tree,
-                domain: &self.hydro.domain,
-                x: self.x,
-                reach: pending.iter().fold(0.0, |reach, t| reach.max(t.radius)),
-                extent: &[],
-            };
-            let span = bounding(pending.iter().map(|t| self.x[t.i]));
-            buffers.candidates.gather(&search, span, |_| 0.0);
-            pending.retain_mut(|target| {
-                match dispatch!(self.level, simd => self.solve::<K, _>(simd, target, buffers)) {
-                    Outcome::Done(local) => {
-                        self.write(target.i, &local, out);
-                        false
-                    }
-                    Outcome::Wider(radius) => {
-                        target.radius = radius;
-                        true
-                    }
-                    Outcome::Failed(reach) => {
-                        let failed = Some((target.i, reach));
-                        tally = tally.and(Tally { targets: 0, failed });
-                        false
-                    }
-                }
-            });
-        }
-        buffers.pending = pending;
         tally
     }
+}
 
+impl<E: Element> Sweep<'_, E> {
+    fn run<K: Kernel>(&self, branches: &[u32]) -> Tally {
+        let tallies = branches.par_iter().map(|&branch| {
+            E::with_workspace(|space| {
+                let branch = branch as usize;
+                let sought = self.reach(branch);
+                (space.region.around).find(&self.frame, branch, sought, &[]);
+                let branch = Branch::<E, K> {
+                    sweep: self,
+                    branch,
+                    region: &mut space.region,
+                    pending: &mut space.pending,
+                    sought,
+                    kernel: std::marker::PhantomData,
+                };
+                E::run(self.level, branch)
+            })
+        });
+        tallies.reduce(Tally::default, Tally::and)
+    }
+
+    fn active(&self, i: usize) -> bool {
+        self.clock.synchronous() || self.end[i] == self.clock.tick
+    }
+
+    /// The largest radius within which the active particles of a branch are to be sought, as far as it is known.
+    fn reach(&self, branch: usize) -> f64 {
+        let range = self.frame.tree.nodes[branch].range();
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let h = unsafe { self.out.h.part(range.clone()) };
+        let active = range.zip(h).filter(|(i, _)| self.active(*i));
+        let largest = active.fold(0.0, |largest: f64, (_, h)| largest.max(*h));
+        (SLACK * largest / self.h_by_reach).min(self.largest) * self.frame.units.length
+    }
+
+    /// Settles what can be settled of `pending`; returns the first particle without a solution.
+    #[inline(always)]
+    fn settle<K: Kernel, S: Simd, R: Machine<S, E>>(
+        &self,
+        simd: S,
+        region: &mut Region<E>,
+        pending: &mut Vec<Target>,
+    ) -> Option<(usize, f64)> {
+        let (mut left, mut first) = (0, None);
+        for k in 0..pending.len() {
+            if k % FEW == 0 {
+                let few = &pending[k..(k + FEW).min(pending.len())];
+                let (span, reach) = self.span(few);
+                region.focus(simd, span, reach, false);
+            }
+            let mut target = pending[k];
+            match self.solve::<K, S, R>(simd, &mut target, region) {
+                Outcome::Done { local, reach } => self.write(target.i, &local, reach),
+                Outcome::Wider(radius) => {
+                    pending[left] = Target { radius, ..target };
+                    left += 1;
+                }
+                Outcome::Failed(reach) => first = first.or(Some((target.i, reach))),
+            }
+        }
+        pending.truncate(left);
+        first
+    }
+
+    #[inline(always)]
+    /// Fills `pending` with the active particles of a leaf.
+    fn targets(&self, leaf: usize, pending: &mut Vec<Target>) -> Tally {
+        let range = self.frame.tree.nodes[leaf].range();
+        pending.clear();
+        for i in range.clone() {
+            if self.active(i) {
+                pending.push(self.target(i, leaf, &range));
+            }
+        }
+        Tally {
+            targets: pending.len(),
+            failed: None,
+        }
+    }
+
+    #[inline(always)]
     /// Where to begin: at the predicted h, else at the density of the leaf.
-    fn target(&self, i: usize, leaf: &Range<usize>, out: &Out) -> Target {
-        // SAFETY: a leaf's task alone touches the leaf's particles.
-        let h = unsafe { out.h.part(i..i + 1) }[0];
+    fn target(&self, i: usize, leaf: usize, range: &Range<usize>) -> Target {
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let h = unsafe { self.out.h.part(i..i + 1) }[0];
+        let unit = self.frame.units.length;
         let start = if h > 0.0 {
-            h * self.hydro.support()
+            h / self.h_by_reach
         } else {
-            let (lo, hi) = bounding(self.x[leaf.clone()].iter().copied());
-            let side = self.hydro.domain.in_plane(hi - lo).norm();
-            let density = leaf.len() as f64 / side.powi(self.hydro.dimensions() as i32);
-            self.hydro.reach_at(density)
+            let node = &self.frame.tree.nodes[leaf];
+            let side = self.hydro.domain.in_plane(node.hi - node.lo).norm();
+            let density = range.len() as f64 / side.powi(self.hydro.dimensions() as i32);
+            self.hydro.reach_at(density) / unit
         };
         // A single point has no density.
         let start = if start == 0.0 { self.largest } else { start }.min(self.largest);
@@ -256,36 +369,62 @@ impl Sweep<'_> {
         Target { i, start, radius }
     }
 
+    /// The box around some targets, and the largest radius in which they look.
     #[inline(always)]
-    fn solve<K: Kernel, S: Simd>(
+    fn span(&self, targets: &[Target]) -> ([[E; 3]; 2], f64) {
+        let mut span = [
+            [E::from_f64(f64::INFINITY); 3],
+            [E::from_f64(f64::NEG_INFINITY); 3],
+        ];
+        let mut reach: f64 = 0.0;
+        for target in targets {
+            reach = reach.max(target.radius);
+            for (a, x) in self.packed.place(target.i).into_iter().enumerate() {
+                span[0][a] = if x < span[0][a] { x } else { span[0][a] };
+                span[1][a] = if x > span[1][a] { x } else { span[1][a] };
+            }
+        }
+        (span, reach)
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd>(
+        &self,
+        simd: S,
+        leaf: usize,
+        (span, reach): ([[E; 3]; 2], f64),
+        region: &mut Region<E>,
+    ) {
+        let search = Search {
+            frame: &self.frame,
+            packed: self.packed,
+            leaf,
+            span,
+            reach,
+            extent: &[],
+            active: false,
+        };
+        region.gather(simd, &search);
+    }
+
+    #[inline(always)]
+    fn solve<K: Kernel, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         target: &mut Target,
-        buffers: &mut Buffers,
+        region: &mut Region<E>,
     ) -> Outcome {
-        let Buffers {
-            candidates,
-            list,
-            r,
-            ..
-        } = buffers;
-        let place = candidates.place(self.x[target.i]);
-        // A hair more, so that what lies on the radius counts when H does.
-        let limit = target.radius * target.radius * (1.0 + 1e-14);
-        candidates.list(simd, place, (limit, &[]), list);
-        r.clear();
-        r.extend(list.r2().iter().map(|r2| r2.map(f64::sqrt)));
-        match self.law.solve::<K, S>(simd, r, target.start, target.radius) {
-            Trial::Found(reach) => {
-                Outcome::Done(self.sums::<K, S>(simd, target.i, (reach, true), buffers))
-            }
+        region.near::<S, R>(simd, self.packed.place(target.i), target.radius);
+        let r = region.distances(simd);
+        match (self.law).solve::<K, S, E, R>(simd, r, target.start, target.radius) {
+            Trial::Found(reach) => self.sums::<K, S, R>(simd, target.i, (reach, true), region),
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
                 let growth = (self.law.wanted / number).powf(1.0 / self.law.d);
                 target.start = target.radius;
                 Outcome::Wider((target.radius * (SLACK * growth).clamp(1.1, 1.6)).min(self.largest))
             }
             Trial::Short(number) if number > 0.0 => {
-                Outcome::Done(self.sums::<K, S>(simd, target.i, (self.largest, false), buffers))
+                self.sums::<K, S, R>(simd, target.i, (self.largest, false), region)
             }
             Trial::Short(_) => Outcome::Failed(target.radius),
             Trial::Failed(reach) => Outcome::Failed(reach),
@@ -294,246 +433,58 @@ impl Sweep<'_> {
 
     /// The sums over the listed neighbours of particle i at support H = `reach`; `free` says whether H follows the particles.
     #[inline(always)]
-    fn sums<K: Kernel, S: Simd>(
+    fn sums<K: Kernel, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         i: usize,
         (reach, free): (f64, bool),
-        buffers: &Buffers,
-    ) -> Local {
-        let place = buffers.candidates.place(self.x[i]);
-        let (inverse, cs) = (1.0 / reach, self.cs[i]);
+        region: &Region<E>,
+    ) -> Outcome {
+        let units = &self.frame.units;
+        let own = Own {
+            row: self.packed.row(i),
+            reach,
+            velocity_step: units.velocity_step / units.velocity,
+        };
         let mut sums = Sums::new(simd);
-        for (numbers, r) in buffers.list.numbers().iter().zip(&buffers.r) {
-            let block = self.block(i, place, numbers, &buffers.candidates);
-            let lanes = |lanes: Lanes| f64x8::from_slice(simd, &lanes);
-            let (d, dv, r) = (block.d.map(lanes), block.dv.map(lanes), lanes(*r));
-            let q = (r * inverse).min(1.0);
-            let (m, slope) = (lanes(block.m), K::slope(q));
-            let approach = dv[0] * d[0] + dv[1] * d[1] + dv[2] * d[2];
-            let fall = q * q * slope;
-            sums.mass += m * K::value(q);
-            sums.slope -= fall;
-            sums.mass_slope -= m * fall;
-            sums.div += slope * approach;
-            sums.mass_div += m * slope * approach;
-            for a in 0..3 {
-                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                let turn = slope * (dv[b] * d[c] - dv[c] * d[b]);
-                sums.curl[a] += turn;
-                sums.mass_curl[a] += m * turn;
-            }
-            let inside = q.simd_lt(1.0);
-            let speed = lanes(block.cs) + cs - approach.min(0.0) * 3.0 / r.max(TINY);
-            sums.v_sig = sums
-                .v_sig
-                .max(inside.select(speed, f64x8::splat(simd, 0.0)));
-            let far = f64x8::splat(simd, f64::INFINITY);
-            sums.near_span = sums.near_span.min(inside.select(lanes(block.span), far));
+        for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
+            let columns = [
+                region.quad_near::<S, R>(simd, self.packed, 0, first),
+                region.quad_near::<S, R>(simd, self.packed, 1, first),
+            ];
+            let d = region.separations(simd, first);
+            let r = load(simd, region.distances(simd), first);
+            sums.add::<K, R>(simd, &own, columns, d, r);
         }
-        self.local(i, (reach, free), &sums)
+        let local = sums.local::<R>(&self.law, self.m[i] / units.mass, reach, free);
+        Outcome::Done { local, reach }
     }
 
     #[inline(always)]
-    fn block(
-        &self,
-        i: usize,
-        place: [f64; 3],
-        numbers: &[u32; LANES],
-        candidates: &Candidates,
-    ) -> Block {
-        let mut block = Block::default();
-        let v = self.v[i];
-        for (l, &k) in numbers.iter().enumerate() {
-            let k = k as usize;
-            let j = candidates.index[k] as usize;
-            let (v_j, d) = (
-                self.v[j],
-                [candidates.x[k], candidates.y[k], candidates.z[k]],
-            );
-            for a in 0..3 {
-                block.d[a][l] = d[a] - place[a];
-                block.dv[a][l] = v_j[a] - v[a];
-            }
-            block.m[l] = self.m[j];
-            block.cs[l] = self.cs[j];
-            // Its own step does not limit a particle, nor do those before the first.
-            let span = self.span[j];
-            block.span[l] = if j == i || span == 0 {
-                f64::INFINITY
-            } else {
-                f64::from(span)
-            };
-        }
-        block
-    }
-
-    fn local(&self, i: usize, (reach, free): (f64, bool), sum: &Sums<impl Simd>) -> Local {
-        let total = |lanes: f64x8<_>| total(lanes.into());
-        let d = self.law.d;
-        let mass = total(sum.mass) - self.law.excess * self.m[i];
-        let g = if free {
-            (total(sum.mass_slope) - d * mass) / total(sum.slope)
-        } else {
-            0.0
-        };
-        let volume = reach.powi(self.hydro.dimensions() as i32);
-        let rho = self.law.norm / volume * mass;
-        let scale = self.law.norm / (volume * reach * reach * rho);
-        let curl = |a: usize| total(sum.mass_curl[a]) - g * total(sum.curl[a]);
-        Local {
-            h: reach / self.hydro.support(),
-            rho,
-            grad_h: g / self.m[i],
-            div_v: -scale * (total(sum.mass_div) - g * total(sum.div)),
-            curl_v: scale * Vec3::from_fn(|a, _| curl(a)).norm(),
-            v_sig: Lanes::from(sum.v_sig).into_iter().fold(0.0, f64::max),
-            // Infinite without neighbours: the cast saturates.
-            near_span: Lanes::from(sum.near_span)
-                .into_iter()
-                .fold(f64::INFINITY, f64::min) as u32,
-        }
-    }
-
-    fn write(&self, i: usize, local: &Local, out: &Out) {
+    fn write(&self, i: usize, local: &Local, reach: f64) {
+        let units = &self.frame.units;
+        let rate = units.velocity / units.length;
+        let rho = local.rho * self.density;
         let flow = Flow {
-            div_v: local.div_v,
-            curl_v: local.curl_v,
+            div_v: local.div_v * rate,
+            curl_v: local.curl_v * rate,
             cs: self.cs[i],
-            h: local.h,
+            h: reach * self.h_by_reach,
         };
-        let own = i..i + 1;
-        // SAFETY: a leaf's task alone touches the leaf's particles.
+        let (own, out) = (i..i + 1, &self.out);
+        // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
-            out.h.part(own.clone())[0] = local.h;
+            out.h.part(own.clone())[0] = flow.h;
             out.alpha.part(own.clone())[0] = self.hydro.viscosity.alpha(flow);
-            out.rho.part(own.clone())[0] = local.rho;
-            out.p.part(own.clone())[0] = self.hydro.eos.pressure(local.rho, self.u[i]);
-            out.grad_h.part(own.clone())[0] = local.grad_h;
-            out.div_v.part(own.clone())[0] = local.div_v;
-            out.curl_v.part(own.clone())[0] = local.curl_v;
-            out.v_sig.part(own.clone())[0] = local.v_sig;
-            out.near_span.part(own)[0] = local.near_span;
+            out.rho.part(own.clone())[0] = rho;
+            out.p.part(own.clone())[0] = self.hydro.eos.pressure(rho, self.u[i]);
+            out.grad_h.part(own.clone())[0] = local.g * units.mass / self.m[i];
+            out.div_v.part(own.clone())[0] = flow.div_v;
+            out.curl_v.part(own.clone())[0] = flow.curl_v;
+            out.v_sig.part(own.clone())[0] = local.v_sig * units.velocity;
+            // Infinite without neighbours: the cast saturates.
+            out.near_span.part(own)[0] = local.near_span as u32;
         }
-    }
-}
-
-/// Some neighbours: separations, relative velocities and what else a sum needs.
-#[derive(Default)]
-struct Block {
-    d: [Lanes; 3],
-    dv: [Lanes; 3],
-    m: Lanes,
-    cs: Lanes,
-    span: Lanes,
-}
-
-/// Sums over neighbours, without and with their masses.
-struct Sums<S: Simd> {
-    mass: f64x8<S>,
-    slope: f64x8<S>,
-    mass_slope: f64x8<S>,
-    div: f64x8<S>,
-    mass_div: f64x8<S>,
-    curl: [f64x8<S>; 3],
-    mass_curl: [f64x8<S>; 3],
-    v_sig: f64x8<S>,
-    near_span: f64x8<S>,
-}
-
-impl<S: Simd> Sums<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        let zero = f64x8::splat(simd, 0.0);
-        Self {
-            mass: zero,
-            slope: zero,
-            mass_slope: zero,
-            div: zero,
-            mass_div: zero,
-            curl: [zero; 3],
-            mass_curl: [zero; 3],
-            v_sig: zero,
-            near_span: f64x8::splat(simd, f64::INFINITY),
-        }
-    }
-}
-
-/// The condition on H.
-struct Law {
-    d: f64,
-    wanted: f64,
-    tolerance: f64,
-    /// Of the kernel.
-    norm: f64,
-    /// Neighbour number by the sum of kernel values.
-    weight: f64,
-    /// What the particle itself counts too much in its density, a mass.
-    excess: f64,
-}
-
-/// What became of the search for H within a radius.
-enum Trial {
-    Found(f64),
-    /// The radius holds this many neighbours, fewer than wanted.
-    Short(f64),
-    Failed(f64),
-}
-
-impl Law {
-    fn new<K: Kernel>(hydro: &Hydro) -> Self {
-        let d = hydro.dimensions();
-        let weight = unit_sphere(d) * K::norm(d);
-        assert!(
-            hydro.neighbours > weight * K::value(0.0),
-            "more neighbours than the particle itself"
-        );
-        Self {
-            d: d as f64,
-            wanted: hydro.neighbours,
-            tolerance: hydro.tolerance,
-            norm: K::norm(d),
-            weight,
-            excess: K::self_excess(hydro.neighbours, d) * K::value(0.0),
-        }
-    }
-
-    /// Newton's method in ln H for ln of the neighbour number, kept between bounds; the number grows with H.
-    #[inline(always)]
-    fn solve<K: Kernel, S: Simd>(&self, simd: S, r: &[Lanes], start: f64, radius: f64) -> Trial {
-        let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut reach = start.min(radius);
-        for _ in 0..TRIES {
-            let inverse = 1.0 / reach;
-            let zero = f64x8::splat(simd, 0.0);
-            let (mut value, mut slope) = (zero, zero);
-            for r in r {
-                let q = (f64x8::from_slice(simd, r) * inverse).min(1.0);
-                value += K::value(q);
-                slope -= q * q * K::slope(q);
-            }
-            let (value, slope) = (total(value.into()), total(slope.into()));
-            let number = self.weight * value;
-            let excess = (number / self.wanted).ln();
-            if excess >= 0.0 {
-                high = reach;
-            } else if reach >= radius {
-                return Trial::Short(number);
-            } else {
-                low = reach;
-            }
-            let step = -excess * value / slope;
-            if step.abs() <= self.tolerance || high - low <= self.tolerance * reach {
-                return Trial::Found(reach);
-            }
-            let next = reach * step.clamp(-0.5, 0.5).exp();
-            reach = if next > low && next < high {
-                next.min(radius)
-            } else {
-                0.5 * (low + high.min(radius))
-            };
-        }
-        Trial::Failed(reach)
     }
 }
 

@@ -3,13 +3,14 @@
 use nbody::points::{Boundary, Domain};
 
 use crate::kernel::unit_sphere;
-use crate::{Eos, KernelKind, Viscosity};
+use crate::{Eos, KernelKind, Precision, Viscosity};
 
 /// What the gas of a scene is and how it is solved; constant over a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hydro {
     pub domain: Domain,
     pub kernel: KernelKind,
+    pub precision: Precision,
     /// Wanted smooth neighbour number V_d H^d n.
     pub neighbours: f64,
     /// Relative error of h.
@@ -32,6 +33,7 @@ impl Hydro {
         Self {
             domain,
             kernel: KernelKind::WendlandC2,
+            precision: Precision::Double,
             neighbours: if domain.dimensions() == 3 { 58.0 } else { 24.0 },
             tolerance: 1e-4,
             largest_h: f64::INFINITY,

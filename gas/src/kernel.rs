@@ -6,33 +6,53 @@
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Sub};
 
-use fearless_simd::{Simd, SimdBase, f64x8};
+use fearless_simd::{Simd, SimdFloat};
 
-/// A number or lanes of numbers.
-pub trait Real:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Add<f64, Output = Self>
-    + Mul<f64, Output = Self>
+use crate::lanes;
+
+/// A number or lanes of numbers; `S` is [`Scalar`] or the machine's instruction set.
+pub trait Number<S>:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
+    /// a times itself plus b.
+    fn line(self, a: f64, b: f64) -> Self;
+
     /// The greater of both.
     fn at_least(self, bound: f64) -> Self;
 }
 
-impl Real for f64 {
+/// The instruction set of single numbers.
+pub struct Scalar;
+
+impl Number<Scalar> for f64 {
+    #[inline(always)]
+    fn line(self, a: f64, b: f64) -> Self {
+        self * a + b
+    }
+
     #[inline(always)]
     fn at_least(self, bound: f64) -> Self {
         self.max(bound)
     }
 }
 
-impl<S: Simd> Real for f64x8<S> {
+impl<S: Simd, V: SimdFloat<S>> Number<S> for V
+where
+    V::Element: lanes::Real,
+{
+    #[inline(always)]
+    fn line(self, a: f64, b: f64) -> Self {
+        let [a, b] =
+            [a, b].map(|x| V::splat(self.token(), <V::Element as lanes::Real>::from_f64(x)));
+        self.mul_add(a, b)
+    }
+
     #[inline(always)]
     fn at_least(self, bound: f64) -> Self {
-        self.max(bound)
+        self.max(V::splat(
+            self.token(),
+            <V::Element as lanes::Real>::from_f64(bound),
+        ))
     }
 }
 
@@ -45,10 +65,10 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     fn norm(dimensions: usize) -> f64;
 
     /// w(q), not normalised.
-    fn value<R: Real>(q: R) -> R;
+    fn value<S, N: Number<S>>(q: N) -> N;
 
     /// (dw/dq) / q, not normalised; finite at q = 0.
-    fn slope<R: Real>(q: R) -> R;
+    fn slope<S, N: Number<S>>(q: N) -> N;
 
     /// The part of its own W(0, H) that a particle counts too much in its density, at this neighbour number.
     fn self_excess(_neighbours: f64, _dimensions: usize) -> f64 {
@@ -81,18 +101,18 @@ impl Kernel for CubicSpline {
     }
 
     #[inline(always)]
-    fn value<R: Real>(q: R) -> R {
-        let outer = (q * -1.0 + 1.0).at_least(0.0);
-        let inner = (q * -1.0 + 0.5).at_least(0.0);
-        outer * outer * outer - inner * inner * inner * 4.0
+    fn value<S, N: Number<S>>(q: N) -> N {
+        let outer = q.line(-1.0, 1.0).at_least(0.0);
+        let inner = q.line(-1.0, 0.5).at_least(0.0);
+        outer * outer * outer - (inner * inner * inner).line(4.0, 0.0)
     }
 
     #[inline(always)]
-    fn slope<R: Real>(q: R) -> R {
-        let outer = (q * -1.0 + 1.0).at_least(0.0);
-        let inner = (q * -1.0 + 0.5).at_least(0.0);
+    fn slope<S, N: Number<S>>(q: N) -> N {
+        let outer = q.line(-1.0, 1.0).at_least(0.0);
+        let inner = q.line(-1.0, 0.5).at_least(0.0);
         // Both squares cancel at the centre, where the slope is -6; kept off zero, it comes out to 1e-8 there.
-        (inner * inner * 12.0 - outer * outer * 3.0) / q.at_least(1e-8)
+        ((inner * inner).line(12.0, 0.0) - (outer * outer).line(3.0, 0.0)) / q.at_least(1e-8)
     }
 }
 
@@ -115,16 +135,16 @@ impl Kernel for WendlandC2 {
     }
 
     #[inline(always)]
-    fn value<R: Real>(q: R) -> R {
-        let outer = (q * -1.0 + 1.0).at_least(0.0);
+    fn value<S, N: Number<S>>(q: N) -> N {
+        let outer = q.line(-1.0, 1.0).at_least(0.0);
         let square = outer * outer;
-        square * square * (q * 4.0 + 1.0)
+        square * square * q.line(4.0, 1.0)
     }
 
     #[inline(always)]
-    fn slope<R: Real>(q: R) -> R {
-        let outer = (q * -1.0 + 1.0).at_least(0.0);
-        outer * outer * outer * -20.0
+    fn slope<S, N: Number<S>>(q: N) -> N {
+        let outer = q.line(-1.0, 1.0).at_least(0.0);
+        (outer * outer * outer).line(-20.0, 0.0)
     }
 }
 

@@ -6,14 +6,17 @@ pub mod eos;
 pub mod forces;
 pub mod hydro;
 pub mod kernel;
-pub mod neighbours;
+mod lanes;
+mod neighbours;
 pub mod particles;
 pub mod probe;
 #[cfg(test)]
 mod samples;
 pub mod timestep;
 pub mod totals;
+mod units;
 pub mod viscosity;
+mod workspace;
 
 pub use eos::Eos;
 pub use hydro::Hydro;
@@ -22,3 +25,4 @@ pub use particles::{Derived, Gas, Particles, Rates};
 pub use timestep::Heat;
 pub use totals::Totals;
 pub use viscosity::Viscosity;
+pub use workspace::Precision;

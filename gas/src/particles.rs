@@ -5,9 +5,13 @@
 //! and for inactive ones with an active neighbour, so that momentum is exchanged pair by pair whatever the steps are. Between its ticks
 //! a particle is seen through its prediction (`v_pred`, `u_pred`, `h`, `rho`).
 
+use fearless_simd::Level;
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
+
+use crate::forces::Pace;
+use crate::workspace::Both;
 
 columns! {
     /// State of gas particles, code units.
@@ -86,7 +90,7 @@ columns! {
 }
 
 /// Particles a leaf of the gas tree.
-pub const LEAF: usize = 32;
+pub const LEAF: usize = 64;
 
 /// All gas of a scene: its columns and the tree over them.
 #[derive(Clone, Debug, Default)]
@@ -100,6 +104,14 @@ pub struct Gas {
     pub(crate) active_extent: Vec<f64>,
     /// The tick by which a neighbour wants each particle to end its step; of the last force sweep.
     pub(crate) wake: Vec<u32>,
+    /// Nodes of the tree that sweeps work on one by one.
+    pub(crate) branches: Vec<u32>,
+    /// How each leaf stands on the clock; of the last force sweep.
+    pub(crate) paces: Vec<Pace>,
+    /// All gas as the sweeps see it.
+    pub(crate) packed: Both,
+    /// The instructions that sweeps use, if not the machine's best.
+    pub(crate) level: Option<Level>,
     /// Size of the leaves altogether when the gas was sorted.
     leaf_size: f64,
     curve: Curve,

@@ -4,7 +4,7 @@ use std::fmt;
 
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
-use gas::{Eos, Gas, Hydro, KernelKind, Particles, Viscosity};
+use gas::{Eos, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
 use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
@@ -65,6 +65,10 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
         kernel,
         neighbours: gas.hydro.neighbours,
         tolerance: gas.hydro.tolerance,
+        precision: match gas.hydro.precision {
+            scene::Precision::Single => Precision::Single,
+            scene::Precision::Double => Precision::Double,
+        },
         viscosity,
         courant: gas.hydro.courant,
         force_factor: scene.accuracy.acceleration_step,

@@ -180,6 +180,14 @@ pub struct Hydro {
     pub courant: f64,
     /// Relative error of the neighbour number at which the smoothing length is found.
     pub tolerance: f64,
+    pub precision: Precision,
+}
+
+/// Precision of the sums over gas neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    Single,
+    Double,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,6 +3,7 @@
 use nbody::points::Domain;
 
 use super::*;
+use crate::kernel::unit_sphere;
 use crate::samples::{hydro, lattice, noisy, still};
 
 const NOW: Clock = Clock::standing(0.0);

@@ -6,7 +6,7 @@ use super::Facts;
 use crate::reader::{Range, Section};
 use crate::scene::{
     Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Kernel, Lattice,
-    Softening, Thermal, Viscosity,
+    Precision, Softening, Thermal, Viscosity,
 };
 use crate::units::Kind;
 
@@ -341,6 +341,8 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
     let neighbours = section.number("neighbours", NEIGHBOURS);
     let courant = section.number("courant", Range::FRACTION);
     let tolerance = section.number("tolerance", TOLERANCE);
+    let precisions = [("single", Precision::Single), ("double", Precision::Double)];
+    let precision = section.choice("precision", &precisions, &[]);
     section.close();
     Hydro {
         formulation: formulation.unwrap_or(Formulation::Density),
@@ -348,6 +350,7 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         neighbours: neighbours.unwrap_or_else(|| default_neighbours(kernel, facts)),
         courant: courant.unwrap_or(facts.by_preset([0.4, 0.25, 0.15])),
         tolerance: tolerance.unwrap_or(facts.by_preset([1e-3, 1e-4, 1e-6])),
+        precision: precision.unwrap_or(Precision::Double),
     }
 }
 

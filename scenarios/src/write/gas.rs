@@ -3,7 +3,7 @@
 use super::text::Text;
 use crate::scene::{
     Block, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation, Gas, Hydro,
-    Kernel, Lattice, Sizes, Thermal, Viscosity,
+    Kernel, Lattice, Precision, Sizes, Thermal, Viscosity,
 };
 
 pub fn write_gas(text: &mut Text, gas: &Gas) {
@@ -127,6 +127,13 @@ fn write_hydro(text: &mut Text, hydro: &Hydro) {
     text.number("neighbours", hydro.neighbours);
     text.number("courant", hydro.courant);
     text.number("tolerance", hydro.tolerance);
+    text.text(
+        "precision",
+        match hydro.precision {
+            Precision::Single => "single",
+            Precision::Double => "double",
+        },
+    );
 }
 
 pub fn write_dust(text: &mut Text, dust: &Dust) {

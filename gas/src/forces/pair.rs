@@ -1,0 +1,154 @@
+//! A pair of particles: what each brings, and the force that both compute alike.
+//!
+//! Every term keeps its value, or changes its sign alone, when the members of the pair change places.
+
+use fearless_simd::{Simd, SimdBase, SimdFloat};
+
+use crate::Kernel;
+use crate::lanes::{Lanes, Machine, Quad, Real, same};
+
+/// Quads of a row: coordinates on the grid and mass; velocity and g; H, push, density, sound speed; alpha, age and steps.
+pub const QUADS: usize = 4;
+
+/// What a particle brings into a pair, a value for each lane; in units of the sweep.
+pub struct Member<S: Simd, E: Real> {
+    pub m: Lanes<S, E>,
+    pub g: Lanes<S, E>,
+    pub reach: Lanes<S, E>,
+    /// 1 / H.
+    pub inverse: Lanes<S, E>,
+    /// H^-(d+2).
+    pub slope: Lanes<S, E>,
+    /// P / rho^2 times the factor of the kernel's slope, norm / H^(d+2).
+    pub push: Lanes<S, E>,
+    pub rho: Lanes<S, E>,
+    pub cs: Lanes<S, E>,
+    pub alpha: Lanes<S, E>,
+    /// Ticks since the present step began, its planned span, and the next one's.
+    pub age: Lanes<S, E>,
+    pub span: Lanes<S, E>,
+    pub next_span: Lanes<S, E>,
+}
+
+impl<S: Simd, E: Real> Member<S, E> {
+    /// From the columns of some rows.
+    #[inline(always)]
+    pub fn new<R: Machine<S, E>>(simd: S, columns: [[Lanes<S, E>; 4]; QUADS], three: bool) -> Self {
+        let [[.., m], [.., g], [reach, push, rho, cs], last] = columns;
+        let [alpha, age, span, next_span] = last;
+        let inverse = R::reciprocal(simd, reach);
+        let square = inverse * inverse;
+        let fourth = square * square;
+        Self {
+            m,
+            g,
+            reach,
+            inverse,
+            slope: if three { fourth * inverse } else { fourth },
+            push,
+            rho,
+            cs,
+            alpha,
+            age,
+            span,
+            next_span,
+        }
+    }
+
+    /// The same particle in all lanes.
+    #[inline(always)]
+    pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], three: bool) -> Self {
+        let mut columns = [[same::<S, E>(simd, 0.0); 4]; QUADS];
+        for (columns, quad) in columns.iter_mut().zip(row) {
+            for (column, &value) in columns.iter_mut().zip(&quad.0) {
+                *column = Lanes::<S, E>::splat(simd, value);
+            }
+        }
+        Self::new::<R>(simd, columns, three)
+    }
+}
+
+/// What the particles of a pair know of each other.
+pub struct Separation<S: Simd, E: Real> {
+    pub d: [Lanes<S, E>; 3],
+    pub r2: Lanes<S, E>,
+    /// v_ij . r_ij
+    pub approach: Lanes<S, E>,
+}
+
+impl<S: Simd, E: Real> Separation<S, E> {
+    /// Of neighbours with these columns from the particle with this row; `length` and `velocity` are the steps of the grid.
+    #[inline(always)]
+    pub fn new(
+        simd: S,
+        row: &[Quad<E>; QUADS],
+        columns: &[[Lanes<S, E>; 4]; QUADS],
+        length: [E; 3],
+        velocity: E,
+    ) -> Self {
+        let velocity = Lanes::<S, E>::splat(simd, velocity);
+        let mut d = [velocity; 3];
+        let mut dv = d;
+        for a in 0..3 {
+            let length = Lanes::<S, E>::splat(simd, length[a]);
+            d[a] = E::apart(simd, columns[0][a], row[0].0[a]) * length;
+            dv[a] = E::apart(simd, columns[1][a], row[1].0[a]) * velocity;
+        }
+        Self {
+            r2: dot::<S, E>(&d, &d),
+            approach: dot::<S, E>(&dv, &d),
+            d,
+        }
+    }
+}
+
+/// The scalar product; the same to the last bit when both vectors are reversed.
+#[inline(always)]
+fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S, E> {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// Pressure and viscosity of a pair.
+pub struct Flux {
+    /// The factor of the kernel's slope.
+    pub norm: f64,
+    /// beta by alpha.
+    pub beta_ratio: f64,
+    /// h / H.
+    pub h_by_reach: f64,
+}
+
+impl Flux {
+    /// The force of a pair on its member `a` by the separation, and the heat that stays with `a`, a time.
+    #[inline(always)]
+    pub fn between<K: Kernel, S: Simd, E: Real, R: Machine<S, E>>(
+        &self,
+        simd: S,
+        a: &Member<S, E>,
+        b: &Member<S, E>,
+        pair: &Separation<S, E>,
+    ) -> [Lanes<S, E>; 2] {
+        let constant = |x: f64| same::<S, E>(simd, x);
+        let (zero, half, one) = (constant(0.0), constant(0.5), constant(1.0));
+        let r2 = pair.r2.max(constant(E::TINY));
+        let r = r2 * R::inverse_root(simd, r2);
+        let slope_a = K::slope((r * a.inverse).min(one));
+        let slope_b = K::slope((r * b.inverse).min(one));
+        let pressure_a = a.m * (b.m - a.g) * (a.push * slope_a);
+        let pressure_b = b.m * (a.m - b.g) * (b.push * slope_b);
+        let h = (a.reach + b.reach) * constant(0.5 * self.h_by_reach);
+        let rho = (a.rho + b.rho) * half;
+        let spread = (h * h).mul_add(constant(0.01), pair.r2);
+        // Both divisions in one: mu = h approach / spread, and 1 / rho.
+        let inverse = R::reciprocal(simd, spread * rho);
+        let mu = h * pair.approach.min(zero) * (rho * inverse);
+        let alpha = (a.alpha + b.alpha) * half;
+        let speed = (a.cs + b.cs) * half;
+        let strength = alpha * mu * (mu * constant(self.beta_ratio) - speed);
+        let slope = (a.slope * slope_a + b.slope * slope_b) * constant(0.5 * self.norm);
+        let viscous = (a.m * b.m) * slope * (strength * (spread * inverse));
+        let pull = (pressure_a + pressure_b) + viscous;
+        let heat = viscous.mul_add(half, pressure_a) * pair.approach;
+        [pull, heat]
+    }
+}
