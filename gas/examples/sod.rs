@@ -1,6 +1,6 @@
 //! Sod's shock tube in three dimensions (gamma = 5/3): error norms against the exact solution, and the cost of an update.
 //!
-//! sod [n] [kernel: wendland | cubic] [neighbours] [alpha] [beta] [courant] [precision: double | single]
+//! sod [n] [kernel: wendland | cubic] [neighbours] [alpha] [beta] [courant] [precision: double | single] [constant | cullen-dehnen]
 //! Box 2 x 16/n x 16/n; equal-mass body-centred lattices with cell 1/n at rho 1 and 2/n at rho 1/8; P = 1 and 0.1; t = 0.2.
 //! Norm: volume-weighted mean of |f - exact| over |x - 1| < 0.5.
 
@@ -24,9 +24,10 @@ fn main() {
         hydro.kernel = KernelKind::CubicSpline;
     }
     hydro.neighbours = number(2, hydro.neighbours);
-    hydro.viscosity = Viscosity::Constant {
-        alpha: number(3, 0.7),
-        beta: number(4, 2.0),
+    let (alpha, beta) = (number(3, 0.7), number(4, 2.0));
+    hydro.viscosity = match words.get(7).map(String::as_str) {
+        Some("cullen-dehnen") => Viscosity::CullenDehnen { alpha, beta },
+        _ => Viscosity::Constant { alpha, beta },
     };
     hydro.courant = number(5, hydro.courant);
     if words.get(6).is_some_and(|word| word == "single") {

@@ -19,10 +19,12 @@ use crate::lanes::{Job, Lanes, Machine, Quad, Real, load};
 use crate::neighbours::{FEW, Frame, Packed, Region, Search, branches};
 use crate::units::Units;
 use crate::viscosity::Flow;
+use crate::viscosity::cullen_dehnen::Compression;
 use crate::workspace::Element;
-use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, Precision, WendlandC2};
+use crate::{CubicSpline, Gas, Hydro, Kernel, KernelKind, Precision, Viscosity, WendlandC2};
 
 mod law;
+mod shear;
 mod sums;
 
 use law::{Law, Trial};
@@ -36,18 +38,32 @@ impl Gas {
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         self.thermal_state(hydro, centre);
+        match hydro.viscosity {
+            Viscosity::CullenDehnen { .. } => {
+                self.derived.trace_v.resize(self.particles.m.len(), 0.0);
+                self.density_as::<true>(hydro, clock)
+            }
+            _ => self.density_as::<false>(hydro, clock),
+        }
+    }
+
+    fn density_as<const GRADIENT: bool>(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+    ) -> Result<usize, Fault> {
         match (hydro.kernel, hydro.precision) {
             (KernelKind::CubicSpline, Precision::Single) => {
-                self.density_with::<CubicSpline, f32>(hydro, clock)
+                self.density_with::<CubicSpline, f32, GRADIENT>(hydro, clock)
             }
             (KernelKind::CubicSpline, Precision::Double) => {
-                self.density_with::<CubicSpline, f64>(hydro, clock)
+                self.density_with::<CubicSpline, f64, GRADIENT>(hydro, clock)
             }
             (KernelKind::WendlandC2, Precision::Single) => {
-                self.density_with::<WendlandC2, f32>(hydro, clock)
+                self.density_with::<WendlandC2, f32, GRADIENT>(hydro, clock)
             }
             (KernelKind::WendlandC2, Precision::Double) => {
-                self.density_with::<WendlandC2, f64>(hydro, clock)
+                self.density_with::<WendlandC2, f64, GRADIENT>(hydro, clock)
             }
         }
     }
@@ -68,7 +84,7 @@ impl Gas {
             });
     }
 
-    fn density_with<K: Kernel, E: Element>(
+    fn density_with<K: Kernel, E: Element, const GRADIENT: bool>(
         &mut self,
         hydro: &Hydro,
         clock: &Clock,
@@ -87,9 +103,9 @@ impl Gas {
             x: &particles.x,
             units,
         };
-        let (span, cs) = (&particles.span, &derived.cs);
+        let (span, cs, div_v) = (&particles.span, &derived.cs, &derived.div_v);
         packed.fill::<QUADS>(&frame, |i, _, _| {
-            (0.0, source(&units, m[i], v[i], cs[i], span[i]))
+            (0.0, source(&units, m[i], v[i], cs[i], (span[i], div_v[i])))
         });
         let out = Out {
             h: Parts::new(&mut particles.h),
@@ -98,6 +114,7 @@ impl Gas {
             p: Parts::new(&mut derived.p),
             grad_h: Parts::new(&mut derived.grad_h),
             div_v: Parts::new(&mut derived.div_v),
+            trace_v: Parts::new(&mut derived.trace_v),
             curl_v: Parts::new(&mut derived.curl_v),
             v_sig: Parts::new(&mut derived.v_sig),
             near_span: Parts::new(&mut derived.near_span),
@@ -109,6 +126,7 @@ impl Gas {
             clock,
             frame,
             packed: &packed,
+            begin: &particles.begin,
             end: &particles.end,
             m: &particles.m,
             cs: &derived.cs,
@@ -121,7 +139,7 @@ impl Gas {
             out,
         };
         branches(&self.tree, &mut self.branches);
-        let tally = sweep.run::<K>(&self.branches);
+        let tally = sweep.run::<K, GRADIENT>(&self.branches);
         *E::packed(&mut self.packed) = packed;
         match tally.failed {
             None => Ok(tally.targets),
@@ -157,8 +175,15 @@ impl Tally {
 
 /// What a particle brings into the sums.
 #[inline(always)]
-fn source<E: Real>(units: &Units, m: f64, v: Vec3, cs: f64, span: u32) -> [Quad<E>; QUADS] {
+fn source<E: Real>(
+    units: &Units,
+    m: f64,
+    v: Vec3,
+    cs: f64,
+    (span, div_v): (u32, f64),
+) -> [Quad<E>; QUADS] {
     let zero = E::default();
+    let sign = if div_v == 0.0 { 0.0 } else { div_v.signum() };
     let v = v.map(|v| E::place(v / units.velocity_step));
     // Before the first step there is none that could limit others.
     let span = if span == 0 {
@@ -169,7 +194,7 @@ fn source<E: Real>(units: &Units, m: f64, v: Vec3, cs: f64, span: u32) -> [Quad<
     let cs = E::from_f64(cs / units.velocity);
     [
         Quad([E::from_f64(m / units.mass), v.x, v.y, v.z]),
-        Quad([cs, E::from_f64(span), zero, zero]),
+        Quad([cs, E::from_f64(span), E::from_f64(sign), zero]),
     ]
 }
 
@@ -201,6 +226,8 @@ struct Out<'a> {
     p: Parts<'a, f64>,
     grad_h: Parts<'a, f64>,
     div_v: Parts<'a, f64>,
+    /// Empty without the switch that needs it.
+    trace_v: Parts<'a, f64>,
     curl_v: Parts<'a, f64>,
     v_sig: Parts<'a, f64>,
     near_span: Parts<'a, u32>,
@@ -212,6 +239,7 @@ struct Sweep<'a, E> {
     clock: &'a Clock,
     frame: Frame<'a>,
     packed: &'a Packed<E>,
+    begin: &'a [u32],
     end: &'a [u32],
     m: &'a [f64],
     cs: &'a [f64],
@@ -227,7 +255,7 @@ struct Sweep<'a, E> {
 }
 
 /// The sweep over the leaves of a branch.
-struct Branch<'a, E, K> {
+struct Branch<'a, E, K, const GRADIENT: bool> {
     sweep: &'a Sweep<'a, E>,
     branch: usize,
     region: &'a mut Region<E>,
@@ -237,7 +265,7 @@ struct Branch<'a, E, K> {
     kernel: std::marker::PhantomData<K>,
 }
 
-impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
+impl<E: Element, K: Kernel, const GRADIENT: bool> Job<E> for Branch<'_, E, K, GRADIENT> {
     type Output = Tally;
 
     #[inline(always)]
@@ -261,7 +289,7 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
                     (region.around).find(&sweep.frame, branch, sought, &[]);
                 }
                 sweep.gather(simd, leaf, (span, reach), region);
-                let failed = sweep.settle::<K, S, R>(simd, region, pending);
+                let failed = sweep.settle::<K, S, R, GRADIENT>(simd, region, pending);
                 tally = tally.and(Tally { targets: 0, failed });
             }
         }
@@ -270,13 +298,13 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
 }
 
 impl<E: Element> Sweep<'_, E> {
-    fn run<K: Kernel>(&self, branches: &[u32]) -> Tally {
+    fn run<K: Kernel, const GRADIENT: bool>(&self, branches: &[u32]) -> Tally {
         let tallies = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
                 let branch = branch as usize;
                 let sought = self.reach(branch);
                 (space.region.around).find(&self.frame, branch, sought, &[]);
-                let branch = Branch::<E, K> {
+                let branch = Branch::<E, K, GRADIENT> {
                     sweep: self,
                     branch,
                     region: &mut space.region,
@@ -306,7 +334,7 @@ impl<E: Element> Sweep<'_, E> {
 
     /// Settles what can be settled of `pending`; returns the first particle without a solution.
     #[inline(always)]
-    fn settle<K: Kernel, S: Simd, R: Machine<S, E>>(
+    fn settle<K: Kernel, S: Simd, R: Machine<S, E>, const GRADIENT: bool>(
         &self,
         simd: S,
         region: &mut Region<E>,
@@ -320,7 +348,7 @@ impl<E: Element> Sweep<'_, E> {
                 region.focus(simd, span, reach, false);
             }
             let mut target = pending[k];
-            match self.solve::<K, S, R>(simd, &mut target, region) {
+            match self.solve::<K, S, R, GRADIENT>(simd, &mut target, region) {
                 Outcome::Done { local, reach } => self.write(target.i, &local, reach),
                 Outcome::Wider(radius) => {
                     pending[left] = Target { radius, ..target };
@@ -408,7 +436,7 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     #[inline(always)]
-    fn solve<K: Kernel, S: Simd, R: Machine<S, E>>(
+    fn solve<K: Kernel, S: Simd, R: Machine<S, E>, const GRADIENT: bool>(
         &self,
         simd: S,
         target: &mut Target,
@@ -417,14 +445,16 @@ impl<E: Element> Sweep<'_, E> {
         region.near::<S, R>(simd, self.packed.place(target.i), target.radius);
         let r = region.distances(simd);
         match (self.law).solve::<K, S, E, R>(simd, r, target.start, target.radius) {
-            Trial::Found(reach) => self.sums::<K, S, R>(simd, target.i, (reach, true), region),
+            Trial::Found(reach) => {
+                self.sums::<K, S, R, GRADIENT>(simd, target.i, (reach, true), region)
+            }
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
                 let growth = (self.law.wanted / number).powf(1.0 / self.law.d);
                 target.start = target.radius;
                 Outcome::Wider((target.radius * (SLACK * growth).clamp(1.1, 1.6)).min(self.largest))
             }
             Trial::Short(number) if number > 0.0 => {
-                self.sums::<K, S, R>(simd, target.i, (self.largest, false), region)
+                self.sums::<K, S, R, GRADIENT>(simd, target.i, (self.largest, false), region)
             }
             Trial::Short(_) => Outcome::Failed(target.radius),
             Trial::Failed(reach) => Outcome::Failed(reach),
@@ -433,7 +463,7 @@ impl<E: Element> Sweep<'_, E> {
 
     /// The sums over the listed neighbours of particle i at support H = `reach`; `free` says whether H follows the particles.
     #[inline(always)]
-    fn sums<K: Kernel, S: Simd, R: Machine<S, E>>(
+    fn sums<K: Kernel, S: Simd, R: Machine<S, E>, const GRADIENT: bool>(
         &self,
         simd: S,
         i: usize,
@@ -454,9 +484,12 @@ impl<E: Element> Sweep<'_, E> {
             ];
             let d = region.separations(simd, first);
             let r = load(simd, region.distances(simd), first);
-            sums.add::<K, R>(simd, &own, columns, d, r);
+            sums.add::<K, R, GRADIENT>(simd, &own, columns, d, r);
         }
-        let local = sums.local::<R>(&self.law, self.m[i] / units.mass, reach, free);
+        let mut local = sums.local::<R>(&self.law, self.m[i] / units.mass, reach, free);
+        if GRADIENT {
+            local.gradient = sums.gradient::<R>(self.hydro.domain.axes, local.div_v);
+        }
         Outcome::Done { local, reach }
     }
 
@@ -472,10 +505,27 @@ impl<E: Element> Sweep<'_, E> {
             h: reach * self.h_by_reach,
         };
         let (own, out) = (i..i + 1, &self.out);
+        let elapsed = self.clock.tick - self.begin[i];
+        // SAFETY: a leaf's task alone touches the leaf's particles.
+        let alpha = &mut unsafe { out.alpha.part(own.clone()) }[0];
+        *alpha = self.hydro.viscosity.alpha(flow, *alpha, || {
+            // SAFETY: as above.
+            let trace = &mut unsafe { out.trace_v.part(own.clone()) }[0];
+            let before = std::mem::replace(trace, local.gradient.div_v * rate);
+            Compression {
+                div_v: *trace,
+                before,
+                dt: f64::from(elapsed) * self.clock.unit(),
+                shear2: local.gradient.shear2 * rate * rate,
+                order: local.gradient.order,
+                // Without the part of both sound speeds that a time step needs.
+                v_sig: 0.5 * local.v_sig * units.velocity,
+                reach: reach * units.length,
+            }
+        });
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
             out.h.part(own.clone())[0] = flow.h;
-            out.alpha.part(own.clone())[0] = self.hydro.viscosity.alpha(flow);
             out.rho.part(own.clone())[0] = rho;
             out.p.part(own.clone())[0] = self.hydro.eos.pressure(rho, self.u[i]);
             out.grad_h.part(own.clone())[0] = local.g * units.mass / self.m[i];

@@ -52,6 +52,8 @@ columns! {
         grad_h: Real = Label::checkpoint("GradHTerms", Dimension::NONE, "grad-h correction"),
         /// divergence of the velocity
         div_v: Real = Label::checkpoint("VelocityDivergences", Dimension::RATE, "divergence of the velocity"),
+        /// trace of the linear-exact velocity gradient, for a switch that asks for its change
+        trace_v: Real = Label::checkpoint("VelocityTraces", Dimension::RATE, "trace of the linear-exact velocity gradient").optional(),
         /// modulus of the curl of the velocity
         curl_v: Real = Label::checkpoint("VelocityCurls", Dimension::RATE, "modulus of the curl of the velocity"),
         /// largest signal speed towards a neighbour

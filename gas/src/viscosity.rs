@@ -3,7 +3,11 @@
 //! Pi = (-alpha c mu + beta mu^2) / rho,   mu = h v_ij.r_ij / (r^2 + 0.01 h^2)   for v_ij.r_ij < 0, else 0
 //!
 //! with alpha, c, rho and h the means of the pair; alpha_i is the column `alpha`, and beta follows it in a fixed ratio.
-//! Sources: Monaghan & Gingold (1983), Monaghan (1992); switch: Balsara (1995).
+//! Sources: Monaghan & Gingold (1983), Monaghan (1992); switches: Balsara (1995), and [`cullen_dehnen`].
+
+pub mod cullen_dehnen;
+
+use cullen_dehnen::Compression;
 
 /// How alpha of a particle follows from its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +19,11 @@ pub enum Viscosity {
     },
     /// Constant times |div v| / (|div v| + |curl v| + 1e-4 c / h).
     Balsara {
+        alpha: f64,
+        beta: f64,
+    },
+    /// Between zero and `alpha`, as [`cullen_dehnen`] says.
+    CullenDehnen {
         alpha: f64,
         beta: f64,
     },
@@ -30,10 +39,16 @@ pub struct Flow {
 }
 
 impl Viscosity {
-    /// alpha of a particle in `flow`.
-    pub fn alpha(&self, flow: Flow) -> f64 {
+    /// alpha of a particle in `flow` that had `present`.
+    pub fn alpha(
+        &self,
+        flow: Flow,
+        present: f64,
+        compression: impl FnOnce() -> Compression,
+    ) -> f64 {
         match *self {
             Self::None => 0.0,
+            Self::CullenDehnen { alpha, .. } => compression().alpha(present, alpha),
             Self::Constant { alpha, .. } => alpha,
             Self::Balsara { alpha, .. } => {
                 let div = flow.div_v.abs();
@@ -46,7 +61,9 @@ impl Viscosity {
     pub fn ratio(&self) -> f64 {
         match *self {
             Self::None => 0.0,
-            Self::Constant { alpha, beta } | Self::Balsara { alpha, beta } => {
+            Self::Constant { alpha, beta }
+            | Self::Balsara { alpha, beta }
+            | Self::CullenDehnen { alpha, beta } => {
                 assert!(
                     alpha > 0.0 && beta >= 0.0,
                     "viscosity has a positive alpha and a beta of at least zero"
@@ -67,6 +84,8 @@ mod tests {
             alpha: 1.0,
             beta: 2.0,
         };
+        let alpha =
+            |viscosity: Viscosity, flow| viscosity.alpha(flow, 0.0, || unreachable!("no gradient"));
         let flow = Flow {
             div_v: -3.0,
             curl_v: 0.0,
@@ -74,14 +93,14 @@ mod tests {
             h: 0.1,
         };
         // 3 / (3 + 1e-3) and 0.
-        assert!((switch.alpha(flow) - 3.0 / 3.001).abs() < 1e-15);
+        assert!((alpha(switch, flow) - 3.0 / 3.001).abs() < 1e-15);
         let turning = Flow {
             div_v: 0.0,
             curl_v: 3.0,
             ..flow
         };
-        assert_eq!(switch.alpha(turning), 0.0);
+        assert_eq!(alpha(switch, turning), 0.0);
         assert_eq!(switch.ratio(), 2.0);
-        assert_eq!(Viscosity::None.alpha(flow), 0.0);
+        assert_eq!(alpha(Viscosity::None, flow), 0.0);
     }
 }

@@ -56,6 +56,7 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
         scene::Viscosity::None => Viscosity::None,
         scene::Viscosity::Constant { alpha, beta } => Viscosity::Constant { alpha, beta },
         scene::Viscosity::Balsara { alpha, beta } => Viscosity::Balsara { alpha, beta },
+        scene::Viscosity::CullenDehnen { alpha, beta } => Viscosity::CullenDehnen { alpha, beta },
     };
     let kernel = match gas.hydro.kernel {
         scene::Kernel::WendlandC2 => KernelKind::WendlandC2,

@@ -206,6 +206,7 @@ pub enum Viscosity {
     None,
     Constant { alpha: f64, beta: f64 },
     Balsara { alpha: f64, beta: f64 },
+    CullenDehnen { alpha: f64, beta: f64 },
 }
 
 #[derive(Clone, Debug, PartialEq)]

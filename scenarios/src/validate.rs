@@ -138,7 +138,9 @@ fn gas_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
         .map(|entry| block_number(scene, &entry.block))
         .sum();
     too_many(total + gas.particles as f64, "gas.block", complaints);
-    if let Viscosity::Constant { alpha, beta } | Viscosity::Balsara { alpha, beta } = gas.viscosity
+    if let Viscosity::Constant { alpha, beta }
+    | Viscosity::Balsara { alpha, beta }
+    | Viscosity::CullenDehnen { alpha, beta } = gas.viscosity
         && alpha == 0.0
         && beta == 0.0
     {

@@ -3,6 +3,7 @@
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat};
 
 use super::law::Law;
+use super::shear::{Gradient, Shear};
 use crate::Kernel;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
 
@@ -18,6 +19,7 @@ pub struct Local {
     pub curl_v: f64,
     pub v_sig: f64,
     pub near_span: f64,
+    pub gradient: Gradient,
 }
 
 /// Sums over neighbours, without and with their masses.
@@ -31,6 +33,7 @@ pub struct Sums<S: Simd, E: Real> {
     mass_curl: [Lanes<S, E>; 3],
     v_sig: Lanes<S, E>,
     near_span: Lanes<S, E>,
+    shear: Shear<S, E>,
 }
 
 /// The particle that the sums are about.
@@ -56,12 +59,13 @@ impl<S: Simd, E: Real> Sums<S, E> {
             mass_curl: [zero; 3],
             v_sig: zero,
             near_span: same::<S, E>(simd, f64::INFINITY),
+            shear: Shear::new(simd),
         }
     }
 
-    /// Adds some neighbours: their columns, separations `d` and distances `r`.
+    /// Adds some neighbours: their columns, separations `d` and distances `r`; with `GRADIENT` to those of the velocity gradient too.
     #[inline(always)]
-    pub fn add<K: Kernel, R: Machine<S, E>>(
+    pub fn add<K: Kernel, R: Machine<S, E>, const GRADIENT: bool>(
         &mut self,
         simd: S,
         own: &Own<E>,
@@ -69,7 +73,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
         d: [Lanes<S, E>; 3],
         r: Lanes<S, E>,
     ) {
-        let [[m, v_x, v_y, v_z], [cs, span, ..]] = columns;
+        let [[m, v_x, v_y, v_z], [cs, span, sign, _]] = columns;
         let [Quad([_, v @ ..]), Quad([cs_i, ..])] = own.row;
         let step = same::<S, E>(simd, own.velocity_step);
         let dv = [
@@ -82,7 +86,11 @@ impl<S: Simd, E: Real> Sums<S, E> {
         let slope = K::slope(q);
         let m_slope = m * slope;
         let fall = q * q;
-        self.mass = m.mul_add(K::value(q), self.mass);
+        let value = m * K::value(q);
+        self.mass += value;
+        if GRADIENT {
+            self.shear.add(d, dv, [m_slope, value, sign]);
+        }
         self.slope = fall.mul_add(-slope, self.slope);
         self.mass_slope = fall.mul_add(-m_slope, self.mass_slope);
         let approach = dv[2].mul_add(d[2], dv[1].mul_add(d[1], dv[0] * d[0]));
@@ -102,6 +110,12 @@ impl<S: Simd, E: Real> Sums<S, E> {
         let other = inside & r.simd_gt(zero);
         let none = same::<S, E>(simd, f64::INFINITY);
         self.near_span = self.near_span.min(other.select(span, none));
+    }
+
+    /// The velocity gradient along the axes of the domain.
+    #[inline(always)]
+    pub fn gradient<R: Machine<S, E>>(&self, axes: [bool; 3], div_v: f64) -> Gradient {
+        self.shear.gradient::<R>(axes, R::total(self.mass), div_v)
     }
 
     /// What the sums say; `m` is the mass of the particle, `free` whether H follows the particles.
@@ -137,6 +151,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
             curl_v: scale * curl,
             v_sig: fold(self.v_sig, 0.0, f64::max),
             near_span: fold(self.near_span, f64::INFINITY, f64::min),
+            gradient: Gradient::default(),
         }
     }
 }

@@ -366,8 +366,13 @@ fn default_neighbours(kernel: Kernel, facts: &Facts) -> f64 {
 
 fn viscosity(gas: &Section<'_>) -> Viscosity {
     let section = gas.section("viscosity");
-    let kinds = [("none", 0), ("constant", 1), ("balsara", 2)];
-    let later = ["cullen-dehnen", "neumann-richtmyer", "planar"];
+    let kinds = [
+        ("none", 0),
+        ("constant", 1),
+        ("balsara", 2),
+        ("cullen-dehnen", 3),
+    ];
+    let later = ["neumann-richtmyer", "planar"];
     let kind = section.choice("kind", &kinds, &later).unwrap_or(2);
     if kind == 0 {
         section.misplaced(&["alpha", "beta"], "has no place in kind = \"none\"");
@@ -380,6 +385,7 @@ fn viscosity(gas: &Section<'_>) -> Viscosity {
     match kind {
         0 => Viscosity::None,
         1 => Viscosity::Constant { alpha, beta },
-        _ => Viscosity::Balsara { alpha, beta },
+        2 => Viscosity::Balsara { alpha, beta },
+        _ => Viscosity::CullenDehnen { alpha, beta },
     }
 }

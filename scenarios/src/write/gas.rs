@@ -40,6 +40,7 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
         Viscosity::None => text.text("kind", "none"),
         Viscosity::Constant { alpha, beta } => viscosity("constant", alpha, beta),
         Viscosity::Balsara { alpha, beta } => viscosity("balsara", alpha, beta),
+        Viscosity::CullenDehnen { alpha, beta } => viscosity("cullen-dehnen", alpha, beta),
     }
 }
 
