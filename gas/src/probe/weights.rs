@@ -7,7 +7,7 @@
 //! Omega = I^-1 sum w s x f, s = r - b, I = sum w (s^2 1 - s s); the impulse to j is -w_j (J - (I^-1 (b x J)) x s_j), the adjoint of that.
 //! Where even I is singular: the normalised weights alone; then angular momentum is not kept.
 
-use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x8};
+use fearless_simd::{Level, Simd, SimdBase, f64x8};
 use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
@@ -106,7 +106,7 @@ impl Weights {
         available: f64,
         reach: &Reach,
     ) -> bool {
-        dispatch!(Level::new(), simd => self.fit_lanes(simd, candidates, (domain, reach), start, available))
+        nbody::widest!(Level::new(), simd => self.fit_lanes(simd, candidates, (domain, reach), start, available))
     }
 
     #[inline(always)]
