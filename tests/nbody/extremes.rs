@@ -53,6 +53,8 @@ fn sound(case: &str, integrator: &str, run: &Done, bodies: usize) {
             "leapfrog" => 4e-3,
             "gauss-radau" => 1e-12,
             "hermite" => 6e-8,
+            // The truncation of the map, 3e-6 where the intruder passes.
+            "wisdom-holman" => 5e-6,
             _ => 1e-6,
         };
         assert!(energy < bar, "{case}, {integrator}: energy {energy:e}");
