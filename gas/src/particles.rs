@@ -187,12 +187,20 @@ impl Gas {
         self.tree.leaves.iter().map(size).sum()
     }
 
-    /// Removes the particles whose flag is false, and builds the tree anew.
+    /// Removes the particles whose flag is false, and builds the tree anew; the others keep their order.
     pub fn retain(&mut self, keep: &[bool]) {
         self.particles.retain(keep);
         self.derived.retain(keep);
         self.rates.retain(keep);
-        self.sort();
+        if self.curve.keys.len() == keep.len() {
+            let mut flags = keep.iter();
+            let keys = &mut self.curve.keys;
+            keys.retain(|_| *flags.next().expect("one flag a particle"));
+            self.tree.build(&self.particles.x, keys, LEAF);
+        } else {
+            // Restored gas has not been sorted yet.
+            self.sort();
+        }
     }
 
     /// Acceleration by everything but drag, of particle i.
