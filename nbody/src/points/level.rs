@@ -8,13 +8,13 @@ macro_rules! widest {
     ($level:expr, $simd:ident => $op:expr) => {{
         #[cfg(target_arch = "x86_64")]
         {
-            use ::fearless_simd::{Level, Simd as _};
+            use ::fearless_simd::Simd as _;
             match $level {
-                Level::Avx512($simd) => $simd.vectorize(
+                ::fearless_simd::Level::Avx512($simd) => $simd.vectorize(
                     #[inline(always)]
                     || $op,
                 ),
-                Level::Avx2($simd) => $simd.vectorize(
+                ::fearless_simd::Level::Avx2($simd) => $simd.vectorize(
                     #[inline(always)]
                     || $op,
                 ),

@@ -196,7 +196,7 @@ pub fn walk() -> Vec<Row> {
             &format!("{name}: root mean square energy error"),
             mean(&squares).0.sqrt(),
             0.0,
-            Bar::Limit([1e-13, 3e-13]),
+            Bar::None,
         ),
         row(
             &format!("{name}: mean energy error"),
