@@ -142,11 +142,14 @@ fn gas_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
     | Viscosity::Balsara { alpha, beta }
     | Viscosity::CullenDehnen { alpha, beta } = gas.viscosity
         && alpha == 0.0
-        && beta == 0.0
     {
         complaints.say(
             "gas.viscosity.alpha",
-            "and beta are both 0; for gas without viscosity give kind = \"none\"",
+            if beta == 0.0 {
+                "and beta are both 0; for gas without viscosity give kind = \"none\""
+            } else {
+                "must be above 0, since beta follows it in a fixed ratio"
+            },
         );
     }
 }
