@@ -40,7 +40,7 @@ impl Gas {
         self.thermal_state(hydro, centre);
         match hydro.viscosity {
             Viscosity::CullenDehnen { .. } => {
-                self.derived.trace_v.resize(self.particles.m.len(), 0.0);
+                self.particles.trace_v.resize(self.particles.m.len(), 0.0);
                 self.density_as::<true>(hydro, clock)
             }
             _ => self.density_as::<false>(hydro, clock),
@@ -103,9 +103,10 @@ impl Gas {
             x: &particles.x,
             units,
         };
-        let (span, cs, div_v) = (&particles.span, &derived.cs, &derived.div_v);
+        let (span, cs, trace_v) = (&particles.span, &derived.cs, &particles.trace_v);
         packed.fill::<QUADS>(&frame, |i, _, _| {
-            (0.0, source(&units, m[i], v[i], cs[i], (span[i], div_v[i])))
+            let trace = if GRADIENT { trace_v[i] } else { 0.0 };
+            (0.0, source(&units, m[i], v[i], cs[i], (span[i], trace)))
         });
         let out = Out {
             h: Parts::new(&mut particles.h),
@@ -114,7 +115,7 @@ impl Gas {
             p: Parts::new(&mut derived.p),
             grad_h: Parts::new(&mut derived.grad_h),
             div_v: Parts::new(&mut derived.div_v),
-            trace_v: Parts::new(&mut derived.trace_v),
+            trace_v: Parts::new(&mut particles.trace_v),
             curl_v: Parts::new(&mut derived.curl_v),
             v_sig: Parts::new(&mut derived.v_sig),
             near_span: Parts::new(&mut derived.near_span),
@@ -180,10 +181,14 @@ fn source<E: Real>(
     m: f64,
     v: Vec3,
     cs: f64,
-    (span, div_v): (u32, f64),
+    (span, trace_v): (u32, f64),
 ) -> [Quad<E>; QUADS] {
     let zero = E::default();
-    let sign = if div_v == 0.0 { 0.0 } else { div_v.signum() };
+    let sign = if trace_v == 0.0 {
+        0.0
+    } else {
+        trace_v.signum()
+    };
     let v = v.map(|v| E::place(v / units.velocity_step));
     // Before the first step there is none that could limit others.
     let span = if span == 0 {

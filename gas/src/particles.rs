@@ -30,6 +30,8 @@ columns! {
         h: Real = Label::snapshot("SmoothingLengths", Dimension::LENGTH, "smoothing length, twice the standard deviation of the kernel"),
         /// viscosity parameter alpha
         alpha: Real = Label::snapshot("ViscosityParameters", Dimension::NONE, "viscosity parameter alpha"),
+        /// trace of the linear-exact velocity gradient, kept for a switch that asks for its change
+        trace_v: Real = Label::checkpoint("VelocityTraces", Dimension::RATE, "trace of the linear-exact velocity gradient").optional(),
         /// tick at which the present step began
         begin: Short = Label::checkpoint("StepBegins", Dimension::NONE, "tick at which the step began"),
         /// planned length of the present step in ticks
@@ -52,8 +54,6 @@ columns! {
         grad_h: Real = Label::checkpoint("GradHTerms", Dimension::NONE, "grad-h correction"),
         /// divergence of the velocity
         div_v: Real = Label::checkpoint("VelocityDivergences", Dimension::RATE, "divergence of the velocity"),
-        /// trace of the linear-exact velocity gradient, for a switch that asks for its change
-        trace_v: Real = Label::checkpoint("VelocityTraces", Dimension::RATE, "trace of the linear-exact velocity gradient").optional(),
         /// modulus of the curl of the velocity
         curl_v: Real = Label::checkpoint("VelocityCurls", Dimension::RATE, "modulus of the curl of the velocity"),
         /// largest signal speed towards a neighbour
