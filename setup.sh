@@ -54,6 +54,13 @@ need_build() {
   fi
 }
 
+need_valgrind() {
+  command -v valgrind >/dev/null && return 0
+  say "installing valgrind, which counts instructions"
+  install valgrind valgrind valgrind valgrind valgrind ||
+    die "valgrind is missing: install the package of that name, then call this again"
+}
+
 need_python() {
   command -v python3 >/dev/null || die "Python 3 is missing: install it, then call this again"
   if [ ! -x .venv/bin/python ]; then
@@ -83,6 +90,7 @@ case "${1:-}" in
     ;;
   test)
     need_build
+    need_valgrind
     need_python
     cargo test --release --workspace
     .venv/bin/python -m pytest -q tests/rebound

@@ -1,8 +1,10 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
+mod gas;
 mod orbits;
 mod secular;
 mod stirring;
+mod wide_disk;
 
 /// A figure of a problem beside what it should be.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +101,27 @@ pub struct Problem {
     rows: fn() -> Vec<Row>,
 }
 
-pub const PROBLEMS: [Problem; 5] = [
+pub const PROBLEMS: [Problem; 9] = [
+    Problem {
+        name: "sod",
+        about: "shock tube of 57 600 particles in both precisions; about 1 minute",
+        rows: gas::sod,
+    },
+    Problem {
+        name: "gresho",
+        about: "vortex of 24 576 particles in both precisions; about 2 minutes",
+        rows: gas::gresho,
+    },
+    Problem {
+        name: "evrard",
+        about: "cold collapse of 14 328 particles in both precisions; about 2 minutes",
+        rows: gas::evrard,
+    },
+    Problem {
+        name: "wide-disk",
+        about: "a gas disk of 1e5 particles without self-gravity through three orbits of its inner edge; about 1 minute",
+        rows: wide_disk::rows,
+    },
     Problem {
         name: "orbits",
         about: "energy of the outer Solar System by the corrected Jacobi map over 1e6 yr; e = 0.999999 through 1000 pericentres; about 1 minute",

@@ -1,0 +1,93 @@
+//! A trial: a scene that runs in memory and leaves no folder, for verification and for measurements.
+
+use std::path::Path;
+
+use coupling::ledger::{Census, Report};
+use coupling::{Splitting, System};
+use gas::{Gas, Particles};
+use nbody::points::Fault;
+
+use crate::assemble::{self, Assembly};
+use crate::scene::Scene;
+use crate::stopwatch::Stopwatch;
+
+/// A scene in place, before its first step or at the last of its stops.
+pub struct Trial {
+    pub scene: Scene,
+    pub system: System,
+    /// CPU time and counts since the start.
+    pub watch: Stopwatch,
+    splitting: Splitting,
+}
+
+impl Trial {
+    /// A scene from its text, its gas changed by `prepare` before the start; or why there is none.
+    pub fn new(text: &str, prepare: impl FnOnce(&mut Particles)) -> Result<Self, String> {
+        let scene = Scene::parse(text, "trial", Path::new("."), &[])
+            .map_err(|problems| format!("{problems:?}"))?;
+        let mut system = assemble::start(&scene).map_err(|refusal| refusal.0)?;
+        if !system.gas.is_empty() {
+            let mut particles = std::mem::take(&mut system.gas.particles);
+            prepare(&mut particles);
+            system.gas = Gas::new(particles);
+        }
+        let Assembly {
+            system, splitting, ..
+        } = assemble::assembly(&scene, system);
+        Ok(Self {
+            scene,
+            system,
+            watch: Stopwatch::new(Default::default(), 0.0),
+            splitting,
+        })
+    }
+
+    /// Runs from the start through `stops`, ascending times of which the first is the start, and calls `visit` with the closed system and
+    /// its books at each.
+    pub fn run(
+        &mut self,
+        stops: &[f64],
+        mut visit: impl FnMut(&System, &Report),
+    ) -> Result<(), Fault> {
+        let mut met = 0;
+        loop {
+            let system = &mut self.system;
+            let now = system.clock.time();
+            let stop = system.clock.synchronous() && now >= stops[met];
+            met += usize::from(stop);
+            system.reporting = stop;
+            // Steps that begin at the last stop are chosen, but never done.
+            let until = stops.get(met).copied().unwrap_or(now + 1.0);
+            let longest = system.longest;
+            self.splitting
+                .close(system, until, longest, &mut self.watch)?;
+            if stop {
+                let census = Census::scaled(system);
+                if met == 1 {
+                    let potential = system.potential;
+                    system.ledger.open(census, potential);
+                }
+                let row = system
+                    .ledger
+                    .report(now, census, system.potential, &system.domain);
+                visit(system, &row);
+            }
+            if met == stops.len() {
+                self.watch.stop();
+                return Ok(());
+            }
+            self.splitting.open(system, &mut self.watch)?;
+            self.splitting.cross(system, &mut self.watch)?;
+        }
+    }
+
+    /// CPU time of all threads since the start, s.
+    pub fn cpu_s(&self) -> f64 {
+        self.watch.cpu_s()
+    }
+
+    /// Updates of gas particles since the start.
+    pub fn updates(&self) -> u64 {
+        self.watch.laps[coupling::Phase::Density as usize].targets
+    }
+}
