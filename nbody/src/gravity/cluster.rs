@@ -280,8 +280,8 @@ impl<E: Real> Cluster<E> {
 /// The frame of targets in a box.
 fn frame(scene: &Scene, lo: Vec3, hi: Vec3) -> Frame {
     let root = &scene.forest.tree.nodes[0];
-    // A lone target has no size; it takes the smallest whose fourth power f32 can span the whole with.
-    let unit = (0.5 * (hi - lo).norm()).max(1e-8 * (root.hi - root.lo).norm());
+    // A lone target has no size; it takes the smallest whose fifth power f32 can span the whole with.
+    let unit = (0.5 * (hi - lo).norm()).max(1e-7 * (root.hi - root.lo).norm());
     let unit = if unit > 0.0 { unit } else { 1.0 };
     Frame {
         centre: 0.5 * (lo + hi),

@@ -9,10 +9,8 @@ use fearless_simd::Simd;
 
 use crate::points::Vec3;
 
-use super::kernel::{
-    BATCH, Block, POINTS, Points, Pull, QUADRUPOLES, Quadrupoles, Targets, each_near,
-    pull_of_points, pull_of_quadrupoles,
-};
+use super::kernel::quadrupole::{BATCH, QUADRUPOLES, Quadrupoles, pull_of_quadrupoles};
+use super::kernel::{Block, POINTS, Points, Pull, Targets, each_near, pull_of_points};
 use super::lanes::{Job, Lanes, Real};
 use super::moments::Moment;
 use super::sources::Sources;
@@ -173,7 +171,7 @@ impl<E: Real> Group<'_, E> {
             for (i, &node) in nodes.iter().enumerate() {
                 let moment = &self.moments[node as usize];
                 let d = (moment.centre - centre) * scale;
-                let [xx, yy, zz, xy, xz, yz] = moment.second.map(|s| 3.0 * s * square);
+                let [xx, yy, zz, xy, xz, yz] = moment.second.map(|s| -3.0 * s * square);
                 let trace = 0.5 * (xx + yy + zz);
                 let eps2 = moment.eps2 * square;
                 let row = [d.x, d.y, d.z, eps2, moment.m, xx, yy, zz, xy, xz, yz, trace];

@@ -17,7 +17,9 @@ pub trait Job<E: Real> {
 
 /// What the instruction sets do each in their own way.
 pub trait Lanes<S: Simd, E: Real> {
-    /// 1/sqrt(q) with a relative error h such that h^2 is at the rounding error of `E`.
+    /// Terms of a power of 1 - q y^2 that [`Lanes::inverse_root`] wants to become exact: y^-n = q^(n/2) (1 + ...).
+    const TERMS: usize;
+    /// y near 1/sqrt(q).
     fn inverse_root(simd: S, q: E::Native<S>) -> E::Native<S>;
     /// Sum over the lanes.
     fn sum(v: E::Native<S>) -> f64;
@@ -27,6 +29,8 @@ pub trait Lanes<S: Simd, E: Real> {
 pub struct Exact;
 
 impl<S: Simd, E: Real> Lanes<S, E> for Exact {
+    const TERMS: usize = 0;
+
     #[inline(always)]
     fn inverse_root(simd: S, q: E::Native<S>) -> E::Native<S> {
         E::Native::<S>::splat(simd, E::from_f64(1.0)) / q.sqrt()
@@ -44,10 +48,7 @@ pub struct Estimate;
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{Estimate, Lanes};
-    use fearless_simd::{
-        Avx2, Avx512, ExtractToken, Simd, SimdBase, SimdFloat, SimdInto, f32x8, f32x16, f64x8,
-        kernel,
-    };
+    use fearless_simd::{Avx2, Avx512, ExtractToken, Simd, SimdInto, f32x8, f32x16, f64x8, kernel};
 
     kernel!(
         #[inline(always)]
@@ -81,6 +82,8 @@ mod x86 {
     );
 
     impl Lanes<Avx512, f32> for Estimate {
+        const TERMS: usize = 1;
+
         #[inline(always)]
         fn inverse_root(simd: Avx512, q: f32x16<Avx512>) -> f32x16<Avx512> {
             estimate_f32x16(simd, q)
@@ -93,11 +96,11 @@ mod x86 {
     }
 
     impl Lanes<Avx512, f64> for Estimate {
+        const TERMS: usize = 3;
+
         #[inline(always)]
         fn inverse_root(simd: Avx512, q: f64x8<Avx512>) -> f64x8<Avx512> {
-            let y = estimate_f64x8(simd, q);
-            let half = f64x8::splat(simd, -0.5);
-            y * (q * y * y).mul_add(half, 1.5)
+            estimate_f64x8(simd, q)
         }
 
         #[inline(always)]
@@ -107,6 +110,8 @@ mod x86 {
     }
 
     impl Lanes<Avx2, f32> for Estimate {
+        const TERMS: usize = 1;
+
         #[inline(always)]
         fn inverse_root(simd: Avx2, q: f32x8<Avx2>) -> f32x8<Avx2> {
             estimate_f32x8(simd, q)

@@ -338,3 +338,22 @@ fn refit_is_as_good_as_build() {
     let (rms, _) = force_errors(&a, &field(&set, EXACT).0);
     assert!(rms < 3e-4, "{rms}");
 }
+
+#[test]
+fn a_lone_particle_with_resolved_pairs_is_pulled_by_what_there_is() {
+    let mut set = plummer(3000);
+    for x in [40.0, 110.0] {
+        set.x.push(Vec3::new(x, 0.3 * x, 0.1));
+        set.m.push(1e-4);
+        set.softening.push(0.0);
+    }
+    let mut gravity = Gravity::new(settings(Accuracy::ForceError(1e-3), Method::Tree));
+    gravity.resolve(0.5);
+    gravity.build(&set.x, &set.m, &set.softening);
+    let (a, phi) = all(&mut gravity, set.x.len());
+    for i in [0, 1500, 3000, 3001] {
+        let (exact, depth) = plain(&set, i);
+        assert!((a[i] - exact).norm() < 3e-3 * exact.norm(), "force {i}");
+        assert!((phi[i] / depth - 1.0).abs() < 1e-3, "potential {i}");
+    }
+}
