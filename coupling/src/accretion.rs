@@ -8,6 +8,7 @@ use nbody::encounters::{Encounter, Finder};
 use nbody::points::{Columns, Fault, Vec3};
 
 use crate::System;
+use crate::ledger::Census;
 use crate::operator::{Meter, Operator, Phase};
 
 /// A conversion of particles or bodies, or an impact, for the log of events.
@@ -38,28 +39,59 @@ impl Operator for Accretion {
         "accretion"
     }
 
+    fn counted(&self, _: &System) -> bool {
+        false
+    }
+
     fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Bodies);
         if system.star.x.is_empty() {
             return Ok(false);
         }
-        let time = system.clock.time();
-        let mut any = false;
         // Gas and dust at every tick: inside, their steps would become ever shorter.
-        for population in 0..if system.bodies_active() { 3 } else { 2 } {
-            any |= accrete(system, population, time);
+        let populations = 0..if system.bodies_active() { 3 } else { 2 };
+        let inside: Vec<_> = populations.map(|k| inside(system, k)).collect();
+        if inside.iter().all(Vec::is_empty) {
+            return Ok(false);
         }
-        if any && system.bodies_active() {
+        system.gas.arrive(&system.domain, &system.clock);
+        let census = Census::of(system);
+        system.ledger.turn(census);
+        for (population, inside) in inside.iter().enumerate() {
+            if !inside.is_empty() {
+                accrete(system, population, inside);
+            }
+        }
+        if system.bodies_active() {
             system.settle_impulses();
             system.look();
         }
-        Ok(any)
+        let census = Census::of(system);
+        system.ledger.book(self.name(), census);
+        Ok(true)
     }
 }
 
-/// Feeds the star with the members of one population that are inside; answers whether there were any.
-fn accrete(system: &mut System, population: usize, time: f64) -> bool {
+/// The members of one population within the star's accretion radius.
+fn inside(system: &mut System, population: usize) -> Vec<usize> {
     let (centre, radius) = (system.seen.star_x[0], system.star.radius[0]);
+    let near = |x: Vec3| (x - centre).norm_squared() < radius * radius;
+    let x = match population {
+        0 => {
+            let (domain, clock) = (system.domain, system.clock);
+            let mut found = system.gas.arrive_near((centre, radius), &domain, &clock);
+            found.retain(|&i| near(system.gas.particles.x[i]));
+            return found;
+        }
+        1 => &system.dust.particles.x,
+        _ => &system.bodies.x,
+    };
+    (0..x.len()).filter(|&i| near(x[i])).collect()
+}
+
+/// Feeds the star with the members of one population that are `inside`.
+fn accrete(system: &mut System, population: usize, inside: &[usize]) {
+    let (centre, time) = (system.seen.star_x[0], system.clock.time());
     let (x, v, m, id): (&[Vec3], &[Vec3], &[f64], &[u64]) = match population {
         0 => (
             &system.gas.particles.x,
@@ -80,16 +112,13 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
             &system.bodies.id,
         ),
     };
-    let keep: Vec<bool> = x
-        .iter()
-        .map(|p| (p - centre).norm_squared() >= radius * radius)
-        .collect();
-    if keep.iter().all(|&k| k) {
-        return false;
+    let mut keep = vec![true; x.len()];
+    for &i in inside {
+        keep[i] = false;
     }
     let mut spin = Vec3::zeros();
     let kind = ["accreted-gas", "accreted-dust", "accreted-planetesimal"][population];
-    for i in (0..keep.len()).filter(|&i| !keep[i]) {
+    for &i in inside {
         let (big, small) = (system.star.m[0], m[i]);
         let sum = big + small;
         let (dx, dv) = (x[i] - centre, v[i] - system.star.v[0]);
@@ -136,7 +165,6 @@ fn accrete(system: &mut System, population: usize, time: f64) -> bool {
                 .retain(|_| *flags.next().expect("one flag a body"));
         }
     }
-    true
 }
 
 /// Does what the law of collisions says to bodies that touched within their step, at the bodies' ticks.
@@ -176,6 +204,10 @@ impl Collisions {
 impl Operator for Collisions {
     fn name(&self) -> &'static str {
         "collisions"
+    }
+
+    fn counted(&self, system: &System) -> bool {
+        system.bodies_active()
     }
 
     fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {

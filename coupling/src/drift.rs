@@ -15,23 +15,26 @@ pub use meetings::{Blocks, Encounters};
 pub use motions::{JacobiMap, Kepler, Straight};
 pub use radau::Radau;
 
-/// Moves the gas.
-pub struct DriftGas;
+/// Moves the gas: all of it at every tick, or only what gas that is active may meet.
+pub struct DriftGas {
+    /// Whether others look at all gas at every tick.
+    pub whole: bool,
+}
 
 impl Operator for DriftGas {
     fn name(&self) -> &'static str {
         "drift gas"
     }
 
-    fn cross(
-        &mut self,
-        system: &mut System,
-        dt: f64,
-        meter: &mut dyn Meter,
-    ) -> Result<bool, Fault> {
+    fn counted(&self, _: &System) -> bool {
+        false
+    }
+
+    fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        let domain = system.domain;
-        system.gas.drift(dt, &domain);
+        if self.whole || system.clock.synchronous() {
+            system.gas.arrive(&system.domain, &system.clock);
+        }
         Ok(true)
     }
 }
@@ -101,6 +104,10 @@ impl<M> DriftBodies<M> {
 impl<M: Motion> Operator for DriftBodies<M> {
     fn name(&self) -> &'static str {
         "drift bodies"
+    }
+
+    fn counted(&self, system: &System) -> bool {
+        system.bodies_active()
     }
 
     fn prepare(&mut self, system: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {

@@ -101,6 +101,11 @@ impl Gravity {
         }
     }
 
+    /// Whether all gas is looked at whenever anybody is active.
+    pub fn sees_gas(&self) -> bool {
+        (self.fields.iter()).any(|field| field.sources[0] || field.targets[0])
+    }
+
     /// All pulls of all on whoever is active, but for those that belong to a drift; potentials if they are to be reported.
     fn pull(&mut self, system: &mut System, meter: &mut dyn Meter) {
         if let Some(changeover) = &self.changeover
@@ -165,6 +170,10 @@ impl Operator for Gravity {
         "gravity"
     }
 
+    fn counted(&self, _: &System) -> bool {
+        false
+    }
+
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         let alone = system.gas.is_empty() && system.dust.is_empty();
         silence(system);
@@ -210,17 +219,7 @@ impl Gravity {
 fn silence(system: &mut System) {
     let (clock, synchronous) = (system.clock.tick, system.clock.synchronous());
     let bodies_active = system.bodies_active();
-    for (gravity, &end) in system
-        .gas
-        .rates
-        .gravity
-        .iter_mut()
-        .zip(&system.gas.particles.end)
-    {
-        if synchronous || end == clock {
-            *gravity = Vec3::zeros();
-        }
-    }
+    system.gas.pull(|_, _, _| Vec3::zeros());
     for (gravity, &end) in system
         .dust
         .rates

@@ -9,6 +9,7 @@ use nbody::points::{Clock, Fault, Vec3, sum};
 
 use crate::System;
 use crate::gravity::{Softening, heavies};
+use crate::ledger::Census;
 use crate::operator::{Meter, Operator, Phase};
 use crate::system::Stray;
 
@@ -20,6 +21,10 @@ pub struct Density {
 impl Operator for Density {
     fn name(&self) -> &'static str {
         "density"
+    }
+
+    fn counted(&self, _: &System) -> bool {
+        false
     }
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
@@ -50,32 +55,34 @@ struct Kicked<'a> {
     m: &'a [f64],
     h: &'a [f64],
     gravity: &'a [Vec3],
+    /// Places of those that are kicked.
+    active: &'a [u32],
 }
 
 impl Reaction {
     /// Gives star and planets the impulse that balances their pulls on `kicked`, weighted by `weight(i)`.
     fn act(self, system: &System, kicked: &Kicked, weight: impl Fn(usize) -> f64 + Sync) -> Given {
+        let active = kicked.active;
         let mut star = vec![Vec3::zeros(); system.star.x.len()];
         let mut bodies = vec![Vec3::zeros(); system.bodies.x.len()];
         for heavy in heavies(system) {
             if self.on[usize::from(!heavy.star)] {
-                let impulse = sum::ordered(kicked.x.len(), Vec3::zeros(), |range| {
-                    range.fold(Vec3::zeros(), |sum, i| match weight(i) {
-                        0.0 => sum,
-                        w => {
-                            sum - heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0
-                                * (kicked.m[i] * w)
-                        }
+                let impulse = sum::ordered(active.len(), Vec3::zeros(), |range| {
+                    active[range].iter().fold(Vec3::zeros(), |sum, &i| {
+                        let i = i as usize;
+                        let pull = heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0;
+                        sum - pull * (kicked.m[i] * weight(i))
                     })
                 });
                 let own = if heavy.star { &mut star } else { &mut bodies };
                 own[heavy.place] += system.g * impulse;
             }
         }
-        let given = sum::ordered(kicked.x.len(), Stray::default(), |range| {
-            range.fold(Stray::default(), |sum, i| match weight(i) {
-                0.0 => sum,
-                w => sum + Stray::at(kicked.x[i], kicked.gravity[i] * (kicked.m[i] * w)),
+        let given = sum::ordered(active.len(), Stray::default(), |range| {
+            active[range].iter().fold(Stray::default(), |sum, &i| {
+                let i = i as usize;
+                let impulse = kicked.gravity[i] * (kicked.m[i] * weight(i));
+                sum + Stray::at(kicked.x[i], impulse)
             })
         });
         let places = system.seen.star_x.iter().chain(&system.seen.x);
@@ -157,21 +164,30 @@ impl KickGas {
             m: &gas.m,
             h: &gas.h,
             gravity: &system.gas.rates.gravity,
+            active: system.gas.active_ones(),
         };
-        let given = self.reaction.act(system, &kicked, |i| {
-            if system.active(gas.end[i]) {
-                weight(system, i)
-            } else {
-                0.0
-            }
-        });
+        let given = self.reaction.act(system, &kicked, |i| weight(system, i));
         receive(system, given);
+    }
+
+    /// Books what `kick` changes: of the gas only what is near the active particles, and whoever reacts.
+    fn book(&self, system: &mut System, kick: impl FnOnce(&mut System)) {
+        let bodies = system.bodies_active() || self.reaction.on[1];
+        let before = Census::near(system, bodies);
+        kick(system);
+        let after = Census::near(system, bodies);
+        let change = Census(std::array::from_fn(|k| after.0[k] - before.0[k]));
+        system.ledger.add(self.name(), &change);
     }
 }
 
 impl Operator for KickGas {
     fn name(&self) -> &'static str {
         "kick gas"
+    }
+
+    fn counted(&self, _: &System) -> bool {
+        false
     }
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
@@ -193,19 +209,23 @@ impl Operator for KickGas {
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        self.react(system, |s, i| {
-            s.closing(s.gas.particles.begin[i], s.gas.particles.span[i])
+        self.book(system, |system| {
+            self.react(system, |s, i| {
+                s.closing(s.gas.particles.begin[i], s.gas.particles.span[i])
+            });
+            let heat = system.gas.close(&self.hydro, &system.clock);
+            system.ledger.take(heat);
         });
-        let heat = system.gas.close(&self.hydro, &system.clock);
-        system.ledger.take(heat);
         Ok(true)
     }
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        self.react(system, |s, i| s.opening(s.gas.rates.next_span[i]));
-        let heat = system.gas.open(&self.hydro, &system.clock, &system.next);
-        system.ledger.take(heat);
+        self.book(system, |system| {
+            self.react(system, |s, i| s.opening(s.gas.rates.next_span[i]));
+            let heat = system.gas.open(&self.hydro, &system.clock, &system.next);
+            system.ledger.take(heat);
+        });
         Ok(true)
     }
 }
@@ -216,9 +236,20 @@ pub struct KickDust {
     /// Part of the time in which gravity, but for the star's, moves a grain by a smoothing length.
     pub force: f64,
     pub reaction: Reaction,
+    /// Places of the dust whose step ends now.
+    active: Vec<u32>,
 }
 
 impl KickDust {
+    pub fn new(pacing: Steps, force: f64, reaction: Reaction) -> Self {
+        Self {
+            pacing,
+            force,
+            reaction,
+            active: Vec::new(),
+        }
+    }
+
     fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
         let dust = &system.dust.particles;
         let kicked = Kicked {
@@ -226,14 +257,9 @@ impl KickDust {
             m: &dust.m,
             h: &dust.h,
             gravity: &system.dust.rates.gravity,
+            active: &self.active,
         };
-        let given = self.reaction.act(system, &kicked, |i| {
-            if system.active(dust.end[i]) {
-                weight(system, i)
-            } else {
-                0.0
-            }
-        });
+        let given = self.reaction.act(system, &kicked, |i| weight(system, i));
         receive(system, given);
     }
 }
@@ -246,6 +272,12 @@ impl Operator for KickDust {
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Dust);
         let pacing = self.pacing.of(system);
+        let ends = system.dust.particles.end.iter().enumerate();
+        self.active.clear();
+        self.active.extend(
+            ends.filter(|(_, end)| system.active(**end))
+                .map(|(i, _)| i as u32),
+        );
         system
             .dust
             .steps(&pacing, self.force, &system.clock, &system.next)?;
@@ -297,6 +329,10 @@ impl KickBodies {
 impl Operator for KickBodies {
     fn name(&self) -> &'static str {
         "kick bodies"
+    }
+
+    fn counted(&self, system: &System) -> bool {
+        system.bodies_active()
     }
 
     fn prepare(&mut self, system: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {

@@ -7,6 +7,9 @@ use nbody::points::{Domain, Vec3, sum};
 
 use crate::System;
 
+/// Leaves a task.
+const LEAVES: usize = 32;
+
 /// Sums over a population, code units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
@@ -50,6 +53,26 @@ impl Totals {
             })
         });
         Self::over(m, x, v, u) + scales
+    }
+
+    /// Of the gas near the active particles.
+    fn of_near(gas: &gas::Gas) -> Self {
+        let (leaves, p) = (gas.near(), &gas.particles);
+        sum::ordered_by(LEAVES, leaves.len(), Self::default(), |range| {
+            let near = leaves[range].iter();
+            near.flat_map(|&leaf| gas.tree.nodes[leaf as usize].range())
+                .fold(Self::default(), |total, i| {
+                    total + Self::of_one(p.m[i], p.x[i], p.v[i], p.u[i])
+                })
+        })
+    }
+
+    /// Adds impulses that `bodies` have yet to receive.
+    fn expects(&mut self, bodies: &Bodies, pending: &[Vec3]) {
+        for (x, impulse) in bodies.x.iter().zip(pending) {
+            self.momentum += impulse;
+            self.angular_momentum += x.cross(impulse);
+        }
     }
 
     fn over(m: &[f64], x: &[Vec3], v: &[Vec3], u: &[f64]) -> Self {
@@ -108,6 +131,23 @@ impl Census {
     /// Names of the populations, in order.
     pub const NAMES: [&'static str; 4] = ["gas", "dust", "planetesimals", "star"];
 
+    /// Counts star and bodies, and of the gas what is near the active particles.
+    pub fn near(system: &System, bodies: bool) -> Self {
+        let count = |all: &Bodies, pending: &[Vec3]| {
+            let mut total = Totals::over(&all.m, &all.x, &all.v, &[]);
+            total.angular_momentum += spin(&all.spin);
+            total.expects(all, pending);
+            total
+        };
+        let mut totals = [Totals::default(); 4];
+        totals[0] = Totals::of_near(&system.gas);
+        if bodies {
+            totals[2] = count(&system.bodies, &system.pending_bodies);
+        }
+        totals[3] = count(&system.star, &system.pending_star);
+        Self(totals)
+    }
+
     /// Counts the system as it stands, without the scales. Impulses that bodies have yet to receive count as theirs.
     pub fn of(system: &System) -> Self {
         Self::by(system, Totals::over)
@@ -135,10 +175,7 @@ impl Census {
             (2, &system.bodies, &system.pending_bodies),
             (3, &system.star, &system.pending_star),
         ] {
-            for (x, impulse) in bodies.x.iter().zip(pending) {
-                totals[k].momentum += impulse;
-                totals[k].angular_momentum += x.cross(impulse);
-            }
+            totals[k].expects(bodies, pending);
         }
         Self(totals)
     }
@@ -182,7 +219,8 @@ pub struct Ledger {
     pub floors: u64,
     /// How often drag found gas so one-sided that it did not keep angular momentum.
     pub lopsided: u64,
-    last: Census,
+    /// The last census, while it still says how the system stands.
+    last: Option<Census>,
 }
 
 /// One line of the history: everything in code units, errors relative.
@@ -216,31 +254,46 @@ impl Ledger {
         self.radiated = 0.0;
         self.initial = system;
         self.initial_potential = potential;
-        self.last = system;
+        self.last = Some(system);
     }
 
     /// Takes the system as it stands as the state that the next entry is compared with.
     pub fn turn(&mut self, system: Census) {
-        self.last = system;
+        self.last = Some(system);
+    }
+
+    /// What changes now belongs to nobody.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+
+    /// Whether the state is known that the next entry is compared with.
+    pub fn remembers(&self) -> bool {
+        self.last.is_some()
     }
 
     /// Books what has changed since the last entry as the work of `operator`.
     pub fn book(&mut self, operator: &str, system: Census) {
-        let place = self
-            .entries
-            .iter()
-            .position(|e| e.operator == operator)
-            .unwrap_or_else(|| {
-                self.entries.push(Entry {
-                    operator: operator.to_owned(),
-                    change: Census::default(),
-                });
-                self.entries.len() - 1
+        let last = self.last.unwrap_or(system);
+        let change = Census(std::array::from_fn(|k| system.0[k] - last.0[k]));
+        self.add(operator, &change);
+        self.last = Some(system);
+    }
+
+    /// Books `change` as the work of `operator`.
+    pub fn add(&mut self, operator: &str, change: &Census) {
+        let known = self.entries.iter().position(|e| e.operator == operator);
+        let place = known.unwrap_or_else(|| {
+            self.entries.push(Entry {
+                operator: operator.to_owned(),
+                change: Census::default(),
             });
-        for k in 0..4 {
-            self.entries[place].change.0[k] += system.0[k] - self.last.0[k];
+            self.entries.len() - 1
+        });
+        for (sum, change) in self.entries[place].change.0.iter_mut().zip(&change.0) {
+            *sum += *change;
         }
-        self.last = system;
+        self.last = None;
     }
 
     /// The books as one line. All conserved sums are compared with the start; one that the domain does not conserve has an error that is no number.

@@ -67,6 +67,12 @@ pub trait Operator: Send {
     /// A word that ledger and log know the operator by.
     fn name(&self) -> &'static str;
 
+    /// Whether the ledger is to count everybody before and after the operator at this tick. Not of those that change nothing of what it
+    /// counts, or that book themselves.
+    fn counted(&self, _: &System) -> bool {
+        true
+    }
+
     /// What is needed at the present positions, for closing and opening alike.
     fn prepare(&mut self, _: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {
         Ok(())

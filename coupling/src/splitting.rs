@@ -51,22 +51,20 @@ impl Splitting {
         for operator in &mut self.operators {
             operator.prepare(system, meter)?;
         }
-        self.turn(system);
+        system.ledger.forget();
+        let books = self.bookkeeping;
         for operator in self.operators.iter_mut().rev() {
-            if operator.close(system, meter)? {
-                book(self.bookkeeping, operator.name(), system);
-            }
+            booked(books, operator.as_mut(), system, |o, s| o.close(s, meter))?;
         }
         Ok(())
     }
 
     /// Begins the steps that begin at this tick.
     pub fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
-        self.turn(system);
+        system.ledger.forget();
+        let books = self.bookkeeping;
         for operator in &mut self.operators {
-            if operator.open(system, meter)? {
-                book(self.bookkeeping, operator.name(), system);
-            }
+            booked(books, operator.as_mut(), system, |o, s| o.open(s, meter))?;
         }
         if system.bodies_active() {
             let (begin, span) = (system.next.tick, system.pace.next_span);
@@ -86,25 +84,32 @@ impl Splitting {
         let tick = system.next_tick().min(TICKS);
         let dt = f64::from(tick - system.clock.tick) * system.clock.unit();
         system.clock.tick = tick;
-        self.turn(system);
+        system.ledger.forget();
+        let books = self.bookkeeping;
         for operator in &mut self.operators {
-            if operator.cross(system, dt, meter)? {
-                book(self.bookkeeping, operator.name(), system);
-            }
+            booked(books, operator.as_mut(), system, |o, s| {
+                o.cross(s, dt, meter)
+            })?;
         }
         Ok(())
     }
-
-    fn turn(&self, system: &mut System) {
-        if self.bookkeeping {
-            system.ledger.turn(Census::of(system));
-        }
-    }
 }
 
-fn book(bookkeeping: bool, operator: &str, system: &mut System) {
-    if bookkeeping {
+/// Lets an operator act, and books what it changed.
+fn booked(
+    bookkeeping: bool,
+    operator: &mut dyn Operator,
+    system: &mut System,
+    act: impl FnOnce(&mut dyn Operator, &mut System) -> Result<bool, Fault>,
+) -> Result<(), Fault> {
+    let counted = bookkeeping && operator.counted(system);
+    if counted && !system.ledger.remembers() {
         let census = Census::of(system);
-        system.ledger.book(operator, census);
+        system.ledger.turn(census);
     }
+    if act(operator, system)? && counted {
+        let census = Census::of(system);
+        system.ledger.book(operator.name(), census);
+    }
+    Ok(())
 }

@@ -31,7 +31,6 @@ fn main() {
         ("steps", 0.0),
         ("forces", 0.0),
         ("kicks", 0.0),
-        ("drift", 0.0),
         ("tree", 0.0),
     ];
     let mut timed = |phase: usize, work: &mut dyn FnMut()| {
@@ -68,11 +67,8 @@ fn main() {
             gas.open(&hydro, &clock, &next);
         });
         let tick = gas.next_tick();
-        timed(4, &mut || {
-            gas.drift(f64::from(tick - next.tick) * next.unit(), &domain)
-        });
         clock = Clock { tick, ..next };
-        timed(5, &mut || gas.refit(&domain, &clock));
+        timed(4, &mut || gas.refit(&domain, &clock));
     }
     println!(
         "N {} {:?} {:?} {} neighbours, {updates} updates in {steps} steps",

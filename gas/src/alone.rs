@@ -50,7 +50,6 @@ pub fn advance(
         account.heat = account.heat.and(gas.open(hydro, &clock, &next));
         clock = next;
         let tick = gas.next_tick().min(clock::TICKS);
-        gas.drift(f64::from(tick - clock.tick) * clock.unit(), &hydro.domain);
         clock.tick = tick;
         gas.refit(&hydro.domain, &clock);
     }

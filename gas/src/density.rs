@@ -9,14 +9,16 @@
 //! Dehnen & Aly (2012) for e.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use fearless_simd::{Level, Simd, SimdBase};
-use nbody::points::sum::{CHUNK, Parts};
+use nbody::points::sum::Parts;
 use nbody::points::{Clock, Fault, Population, Vec3};
 use rayon::prelude::*;
 
 use crate::lanes::{Job, Lanes, Machine, Quad, Real, load};
-use crate::neighbours::{FEW, Frame, Packed, Region, Search, branches};
+use crate::leaves::FEW as FEW_LEAVES;
+use crate::neighbours::{FEW, Frame, Packed, Region, Search};
 use crate::units::Units;
 use crate::viscosity::Flow;
 use crate::viscosity::cullen_dehnen::Compression;
@@ -37,13 +39,36 @@ impl Gas {
     /// Renews what follows from the state: for active particles h and all of `derived`; for the others, which are predicted, pressure and
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
+        self.look(hydro, clock);
         self.thermal_state(hydro, centre);
+        let settled = self.density_of(hydro, clock, None)?;
+        if self.beyond.is_empty() {
+            return Ok(settled);
+        }
+        // Gas that thinned out faster than predicted is sought among all.
+        self.look_far(hydro, clock);
+        self.thermal_state(hydro, centre);
+        let mut late = std::mem::take(&mut self.beyond);
+        late.sort_unstable();
+        let found = self.density_of(hydro, clock, Some(&late));
+        late.clear();
+        self.beyond = late;
+        found.map(|found| settled + found)
+    }
+
+    /// The density of the active particles, or of those listed alone; leaves in `beyond` whose H is larger than the vicinity.
+    fn density_of(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+        listed: Option<&[u32]>,
+    ) -> Result<usize, Fault> {
         match hydro.viscosity {
             Viscosity::CullenDehnen { .. } => {
                 self.particles.trace_v.resize(self.particles.m.len(), 0.0);
-                self.density_as::<true>(hydro, clock)
+                self.density_as::<true>(hydro, clock, listed)
             }
-            _ => self.density_as::<false>(hydro, clock),
+            _ => self.density_as::<false>(hydro, clock, listed),
         }
     }
 
@@ -51,43 +76,55 @@ impl Gas {
         &mut self,
         hydro: &Hydro,
         clock: &Clock,
+        listed: Option<&[u32]>,
     ) -> Result<usize, Fault> {
         match (hydro.kernel, hydro.precision) {
             (KernelKind::CubicSpline, Precision::Single) => {
-                self.density_with::<CubicSpline, f32, GRADIENT>(hydro, clock)
+                self.density_with::<CubicSpline, f32, GRADIENT>(hydro, clock, listed)
             }
             (KernelKind::CubicSpline, Precision::Double) => {
-                self.density_with::<CubicSpline, f64, GRADIENT>(hydro, clock)
+                self.density_with::<CubicSpline, f64, GRADIENT>(hydro, clock, listed)
             }
             (KernelKind::WendlandC2, Precision::Single) => {
-                self.density_with::<WendlandC2, f32, GRADIENT>(hydro, clock)
+                self.density_with::<WendlandC2, f32, GRADIENT>(hydro, clock, listed)
             }
             (KernelKind::WendlandC2, Precision::Double) => {
-                self.density_with::<WendlandC2, f64, GRADIENT>(hydro, clock)
+                self.density_with::<WendlandC2, f64, GRADIENT>(hydro, clock, listed)
             }
         }
     }
 
-    /// Pressure and sound speed of all gas as predicted; gas bound to a temperature is brought to it.
+    /// Pressure and sound speed of what is near, as predicted; gas bound to a temperature is brought to it.
     fn thermal_state(&mut self, hydro: &Hydro, centre: Vec3) {
         let (x, rho) = (&self.particles.x, &self.derived.rho);
-        let (p, cs) = (&mut self.derived.p, &mut self.derived.cs);
-        p.par_iter_mut()
-            .zip(cs)
-            .zip(&mut self.rates.u_pred)
-            .enumerate()
-            .with_min_len(CHUNK)
-            .for_each(|(i, ((p, cs), u))| {
-                *u = hydro.eos.bound_energy(x[i] - centre).unwrap_or(*u);
-                *p = hydro.eos.pressure(rho[i], *u);
-                *cs = hydro.eos.sound_speed(*u);
-            });
+        let nodes = &self.tree.nodes;
+        let p = Parts::new(&mut self.derived.p);
+        let cs = Parts::new(&mut self.derived.cs);
+        let u = Parts::new(&mut self.rates.u_pred);
+        let near = self.vicinity.near.par_iter().with_min_len(FEW_LEAVES);
+        near.for_each(|&leaf| {
+            let range = nodes[leaf as usize].range();
+            // SAFETY: leaves have no particles in common.
+            let (p, cs, u) = unsafe {
+                (
+                    p.part(range.clone()),
+                    cs.part(range.clone()),
+                    u.part(range.clone()),
+                )
+            };
+            for (k, i) in range.enumerate() {
+                u[k] = hydro.eos.bound_energy(x[i] - centre).unwrap_or(u[k]);
+                p[k] = hydro.eos.pressure(rho[i], u[k]);
+                cs[k] = hydro.eos.sound_speed(u[k]);
+            }
+        });
     }
 
     fn density_with<K: Kernel, E: Element, const GRADIENT: bool>(
         &mut self,
         hydro: &Hydro,
         clock: &Clock,
+        listed: Option<&[u32]>,
     ) -> Result<usize, Fault> {
         if self.is_empty() {
             return Ok(0);
@@ -96,7 +133,8 @@ impl Gas {
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived) = (&mut self.particles, &mut self.derived);
         let (h, m, v) = (&particles.h, &particles.m, &self.rates.v_pred);
-        let units = Units::new(hydro, &self.tree, h, m, v, &derived.cs);
+        let near = &self.vicinity.near;
+        let units = Units::new(hydro, (&self.tree, near), h, m, v, &derived.cs);
         let frame = Frame {
             tree: &self.tree,
             domain: &hydro.domain,
@@ -104,7 +142,7 @@ impl Gas {
             units,
         };
         let (span, cs, trace_v) = (&particles.span, &derived.cs, &particles.trace_v);
-        packed.fill::<QUADS>(&frame, |i, _, _| {
+        packed.fill::<QUADS>(&frame, near, |i, _, _| {
             let trace = if GRADIENT { trace_v[i] } else { 0.0 };
             (0.0, source(&units, m[i], v[i], cs[i], (span[i], trace)))
         });
@@ -138,9 +176,12 @@ impl Gas {
             law: Law::new::<K>(hydro),
             level,
             out,
+            listed,
+            seen: &self.vicinity.reach,
+            beyond: Mutex::new(std::mem::take(&mut self.beyond)),
         };
-        branches(&self.tree, &mut self.branches);
-        let tally = sweep.run::<K, GRADIENT>(&self.branches);
+        let tally = sweep.run::<K, GRADIENT>(&self.vicinity.active_branches);
+        self.beyond = sweep.beyond.into_inner().unwrap_or_default();
         *E::packed(&mut self.packed) = packed;
         match tally.failed {
             None => Ok(tally.targets),
@@ -257,6 +298,11 @@ struct Sweep<'a, E> {
     law: Law,
     level: Level,
     out: Out<'a>,
+    /// The particles that are to be done, if not all that are active; ascending.
+    listed: Option<&'a [u32]>,
+    /// How far is packed around each leaf, code units, by node; and who needs more.
+    seen: &'a [f64],
+    beyond: Mutex<Vec<u32>>,
 }
 
 /// The sweep over the leaves of a branch.
@@ -294,7 +340,7 @@ impl<E: Element, K: Kernel, const GRADIENT: bool> Job<E> for Branch<'_, E, K, GR
                     (region.around).find(&sweep.frame, branch, sought, &[]);
                 }
                 sweep.gather(simd, leaf, (span, reach), region);
-                let failed = sweep.settle::<K, S, R, GRADIENT>(simd, region, pending);
+                let failed = sweep.settle::<K, S, R, GRADIENT>(simd, leaf, region, pending);
                 tally = tally.and(Tally { targets: 0, failed });
             }
         }
@@ -324,7 +370,10 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     fn active(&self, i: usize) -> bool {
-        self.clock.synchronous() || self.end[i] == self.clock.tick
+        match self.listed {
+            None => self.clock.synchronous() || self.end[i] == self.clock.tick,
+            Some(listed) => listed.binary_search(&(i as u32)).is_ok(),
+        }
     }
 
     /// The largest radius within which the active particles of a branch are to be sought, as far as it is known.
@@ -342,6 +391,7 @@ impl<E: Element> Sweep<'_, E> {
     fn settle<K: Kernel, S: Simd, R: Machine<S, E>, const GRADIENT: bool>(
         &self,
         simd: S,
+        leaf: usize,
         region: &mut Region<E>,
         pending: &mut Vec<Target>,
     ) -> Option<(usize, f64)> {
@@ -355,6 +405,9 @@ impl<E: Element> Sweep<'_, E> {
             let mut target = pending[k];
             match self.solve::<K, S, R, GRADIENT>(simd, &mut target, region) {
                 Outcome::Done { local, reach } => self.write(target.i, &local, reach),
+                Outcome::Wider(radius) if radius * self.frame.units.length > self.seen[leaf] => {
+                    self.leave(target.i);
+                }
                 Outcome::Wider(radius) => {
                     pending[left] = Target { radius, ..target };
                     left += 1;
@@ -364,6 +417,13 @@ impl<E: Element> Sweep<'_, E> {
         }
         pending.truncate(left);
         first
+    }
+
+    /// Leaves a particle to a sweep that sees farther.
+    #[cold]
+    fn leave(&self, i: usize) {
+        let mut beyond = self.beyond.lock().unwrap_or_else(PoisonError::into_inner);
+        beyond.push(i as u32);
     }
 
     #[inline(always)]

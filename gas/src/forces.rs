@@ -15,8 +15,9 @@ use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
 use crate::lanes::{Job, Lanes, Machine, Quad, Real};
-use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search, branches};
+use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search};
 use crate::units::Units;
+use crate::vicinity::Vicinity;
 use crate::workspace::Element;
 use crate::{
     CubicSpline, Derived, Gas, Hydro, Kernel, KernelKind, Particles, Precision, WendlandC2,
@@ -64,14 +65,21 @@ impl Gas {
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived, rates) = (&self.particles, &self.derived, &mut self.rates);
         let (support, h) = (hydro.support(), &particles.h);
+        let Vicinity {
+            near,
+            leaves,
+            near_branches,
+            ..
+        } = &self.vicinity;
         let active = |i: usize| clock.synchronous() || particles.end[i] == clock.tick;
-        self.tree.largest(|i| support * h[i], &mut self.extent);
+        let own = |i: usize| support * h[i];
+        (self.tree).largest_of(near, own, &mut self.extent);
         let own = |i: usize| if active(i) { support * h[i] } else { -1.0 };
-        self.tree.largest(own, &mut self.active_extent);
+        (self.tree).largest_of(leaves, own, &mut self.active_extent);
         self.wake.resize(particles.m.len(), NEVER);
         let units = Units::new(
             hydro,
-            &self.tree,
+            (&self.tree, near),
             h,
             &particles.m,
             &rates.v_pred,
@@ -95,8 +103,8 @@ impl Gas {
             push: K::norm(d),
             power: d as i32,
         };
-        packed.fill::<QUADS>(&frame, |i, d, coarser| pack.source(i, d, coarser));
-        pack.paces(&self.tree, &mut self.paces);
+        packed.fill::<QUADS>(&frame, near, |i, d, coarser| pack.source(i, d, coarser));
+        pack.paces(&self.tree, near, &mut self.paces);
         let sweep = Sweep {
             clock,
             next,
@@ -124,8 +132,7 @@ impl Gas {
                 wake: Parts::new(&mut self.wake),
             },
         };
-        branches(&self.tree, &mut self.branches);
-        let targets = sweep.run::<K>(&self.branches);
+        let targets = sweep.run::<K>(near_branches);
         *E::packed(&mut self.packed) = packed;
         targets
     }
@@ -155,11 +162,11 @@ impl Pack<'_> {
         }
     }
 
-    /// The pace of each leaf. Steps that end too early count as mixed: their weights are no powers of two.
-    fn paces(&self, tree: &Tree, paces: &mut Vec<Pace>) {
+    /// The paces of some leaves. Steps that end too early count as mixed: their weights are no powers of two.
+    fn paces(&self, tree: &Tree, leaves: &[u32], paces: &mut Vec<Pace>) {
         paces.resize(tree.nodes.len(), Pace::MIXED);
         let paces = Parts::new(paces);
-        tree.leaves.par_iter().with_min_len(64).for_each(|&leaf| {
+        leaves.par_iter().with_min_len(64).for_each(|&leaf| {
             let leaf = leaf as usize;
             let mut range = tree.nodes[leaf].range();
             let first = self.pace(range.start);
@@ -253,7 +260,7 @@ struct Sweep<'a, E> {
     m: &'a [f64],
     end: &'a [u32],
     next_span: &'a [u32],
-    /// Largest H a node: of all its particles, and of its active ones (negative if there are none).
+    /// Largest H a node: of its particles in near leaves, and of its active ones (negative if there are none).
     extent: [&'a [f64]; 2],
     /// The pace of each leaf, by node.
     paces: &'a [Pace],
@@ -287,7 +294,7 @@ impl<E: Element, K: Kernel> Job<E> for Branch<'_, E, K> {
         } = self;
         let nodes = &sweep.frame.tree.nodes;
         let mut met = 0;
-        for leaf in (branch..nodes[branch].skip as usize).filter(|&i| sweep.frame.tree.is_leaf(i)) {
+        for leaf in sweep.leaves(branch) {
             let coarser = sweep.gather(simd, leaf, region);
             let grid = sweep.grid(leaf, coarser);
             let range = nodes[leaf].range();
@@ -323,7 +330,7 @@ impl<E: Element> Sweep<'_, E> {
                 let around = &mut space.region.around;
                 around.find(&self.frame, branch, self.extent[0][branch], extent);
                 if around.is_empty() {
-                    (self.frame.tree.nodes[branch].range()).for_each(|i| self.rest(i));
+                    (self.leaves(branch)).for_each(|leaf| self.rest(leaf));
                     return 0;
                 }
                 let pace = self.pace(branch, around);
@@ -366,16 +373,24 @@ impl<E: Element> Sweep<'_, E> {
         (self.extent[1][branch] >= 0.0 && paces.all(|other| other == pace)).then_some(pace)
     }
 
-    /// What a particle gets that meets nobody.
-    fn rest(&self, i: usize) {
-        let (own, out) = (i..i + 1, &self.out);
+    /// The near leaves of a branch.
+    #[inline(always)]
+    fn leaves(&self, branch: usize) -> impl Iterator<Item = usize> {
+        let (tree, near) = (self.frame.tree, self.extent[0]);
+        let nodes = branch..tree.nodes[branch].skip as usize;
+        nodes.filter(move |&node| tree.is_leaf(node) && near[node] >= 0.0)
+    }
+
+    /// What the particles of a leaf get that meets nobody.
+    fn rest(&self, leaf: usize) {
+        let (own, out) = (self.frame.tree.nodes[leaf].range(), &self.out);
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
-            out.dv_close.part(own.clone())[0] = Vec3::zeros();
-            out.dv_open.part(own.clone())[0] = Vec3::zeros();
-            out.du_close.part(own.clone())[0] = 0.0;
-            out.du_open.part(own.clone())[0] = 0.0;
-            out.wake.part(own)[0] = NEVER;
+            out.dv_close.part(own.clone()).fill(Vec3::zeros());
+            out.dv_open.part(own.clone()).fill(Vec3::zeros());
+            out.du_close.part(own.clone()).fill(0.0);
+            out.du_open.part(own.clone()).fill(0.0);
+            out.wake.part(own).fill(NEVER);
         }
     }
 

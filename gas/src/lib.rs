@@ -7,6 +7,7 @@ pub mod forces;
 pub mod hydro;
 pub mod kernel;
 mod lanes;
+mod leaves;
 mod neighbours;
 pub mod particles;
 pub mod probe;
@@ -15,6 +16,7 @@ mod samples;
 pub mod timestep;
 pub mod totals;
 mod units;
+mod vicinity;
 pub mod viscosity;
 mod workspace;
 

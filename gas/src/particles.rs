@@ -8,9 +8,14 @@
 use fearless_simd::Level;
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
+use nbody::points::sum::CHUNK;
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
+use rayon::prelude::*;
 
 use crate::forces::Pace;
+use crate::leaves::{Leaf, UNSEEN};
+use crate::timestep::Heat;
+use crate::vicinity::Vicinity;
 use crate::workspace::Both;
 
 columns! {
@@ -106,8 +111,15 @@ pub struct Gas {
     pub(crate) active_extent: Vec<f64>,
     /// The tick by which a neighbour wants each particle to end its step; of the last force sweep.
     pub(crate) wake: Vec<u32>,
-    /// Nodes of the tree that sweeps work on one by one.
-    pub(crate) branches: Vec<u32>,
+    /// What bounds each leaf's particles, by node.
+    pub(crate) leaves: Vec<Leaf>,
+    /// The tick at which all gas was last seen; where sorted gas stands.
+    pub(crate) now: u32,
+    pub(crate) vicinity: Vicinity,
+    pub(crate) nearby: Vec<u32>,
+    /// Active particles whose neighbours reach beyond the vicinity.
+    pub(crate) beyond: Vec<u32>,
+    pub(crate) heats: Vec<Heat>,
     /// How each leaf stands on the clock; of the last force sweep.
     pub(crate) paces: Vec<Pace>,
     /// All gas as the sweeps see it.
@@ -129,6 +141,7 @@ impl Gas {
         let n = particles.len();
         let mut gas = Self {
             particles,
+            now: UNSEEN,
             ..Self::default()
         };
         gas.derived.resize(n);
@@ -144,6 +157,7 @@ impl Gas {
         let mut gas = Self {
             particles,
             rates,
+            now: UNSEEN,
             ..Self::default()
         };
         gas.derived.resize(gas.particles.len());
@@ -167,16 +181,24 @@ impl Gas {
         self.rates.permute(&self.curve.order, &mut self.scratch);
         self.tree.build(&self.particles.x, &self.curve.keys, LEAF);
         self.leaf_size = self.size_of_leaves();
+        self.bound();
     }
 
-    /// Brings the tree up to date with positions that moved. At the ends of base steps, and when the leaves have grown too much, that means
-    /// to bring positions back into the box and to sort anew.
+    /// Brings the tree to the tick of `clock`: its boxes hold what has moved there and what may have. At the ends of base steps, and when the
+    /// leaves have grown too much, that means to move everything, to bring positions back into the box and to sort anew.
     pub fn refit(&mut self, domain: &Domain, clock: &Clock) {
-        self.tree.refit(&self.particles.x);
+        for &leaf in &self.tree.leaves {
+            let node = &mut self.tree.nodes[leaf as usize];
+            (node.lo, node.hi) = self.leaves[leaf as usize].span(clock);
+        }
+        self.tree.enclose();
         if clock.synchronous() || self.size_of_leaves() > GROWTH * self.leaf_size {
-            for x in &mut self.particles.x {
-                domain.wrap(x);
-            }
+            self.arrive(domain, clock);
+            self.particles
+                .x
+                .par_iter_mut()
+                .with_min_len(CHUNK)
+                .for_each(|x| domain.wrap(x));
             self.sort();
         }
     }
@@ -187,7 +209,7 @@ impl Gas {
         self.tree.leaves.iter().map(size).sum()
     }
 
-    /// Removes the particles whose flag is false, and builds the tree anew; the others keep their order.
+    /// Removes the particles whose flag is false, of gas that has arrived, and builds the tree anew; the others keep their order.
     pub fn retain(&mut self, keep: &[bool]) {
         self.particles.retain(keep);
         self.derived.retain(keep);
@@ -197,6 +219,7 @@ impl Gas {
             let keys = &mut self.curve.keys;
             keys.retain(|_| *flags.next().expect("one flag a particle"));
             self.tree.build(&self.particles.x, keys, LEAF);
+            self.bound();
         } else {
             // Restored gas has not been sorted yet.
             self.sort();

@@ -29,6 +29,7 @@ pub struct Units {
 /// What the units follow from.
 #[derive(Clone, Copy)]
 struct Sizes {
+    number: usize,
     h: f64,
     least_h: f64,
     m: f64,
@@ -36,11 +37,21 @@ struct Sizes {
     cs: f64,
 }
 
+const NONE: Sizes = Sizes {
+    number: 0,
+    h: 0.0,
+    least_h: f64::INFINITY,
+    m: 0.0,
+    speed: 0.0,
+    cs: 0.0,
+};
+
 impl std::ops::Add for Sizes {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
         Self {
+            number: self.number + other.number,
             h: self.h + other.h,
             least_h: self.least_h.min(other.least_h),
             m: self.m + other.m,
@@ -51,29 +62,30 @@ impl std::ops::Add for Sizes {
 }
 
 impl Units {
-    /// Units for particles of smoothing lengths `h` (zero if not known), masses `m`, velocities `v` and sound speeds `cs`.
-    pub fn new(hydro: &Hydro, tree: &Tree, h: &[f64], m: &[f64], v: &[Vec3], cs: &[f64]) -> Self {
-        let none = Sizes {
-            h: 0.0,
-            least_h: f64::INFINITY,
-            m: 0.0,
-            speed: 0.0,
-            cs: 0.0,
+    /// Units for the particles of some leaves: of smoothing lengths `h` (zero if not known), masses `m`, velocities `v`, sound speeds `cs`.
+    pub fn new(
+        hydro: &Hydro,
+        (tree, leaves): (&Tree, &[u32]),
+        h: &[f64],
+        m: &[f64],
+        v: &[Vec3],
+        cs: &[f64],
+    ) -> Self {
+        let one = |i: usize| Sizes {
+            number: 1,
+            h: h[i],
+            least_h: if h[i] > 0.0 { h[i] } else { f64::INFINITY },
+            m: m[i],
+            speed: v[i].amax(),
+            cs: cs[i],
         };
-        let n = h.len();
-        let sizes = sum::ordered(n, none, |range| {
-            range.fold(none, |sizes, i| {
-                let least_h = if h[i] > 0.0 { h[i] } else { f64::INFINITY };
-                sizes
-                    + Sizes {
-                        h: h[i],
-                        least_h,
-                        m: m[i],
-                        speed: v[i].amax(),
-                        cs: cs[i],
-                    }
+        let sizes = sum::ordered(leaves.len(), NONE, |range| {
+            leaves[range].iter().fold(NONE, |sizes, &leaf| {
+                let range = tree.nodes[leaf as usize].range();
+                range.fold(sizes, |sizes, i| sizes + one(i))
             })
         });
+        let n = sizes.number;
         let length = if sizes.h > 0.0 {
             hydro.support() * sizes.h / n as f64
         } else {

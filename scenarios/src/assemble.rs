@@ -257,12 +257,16 @@ fn operators(
         list.push(Box::new(Density { hydro }));
     }
     let plan = plan(scene, integrator, step);
+    let mut watched = false;
     if plan.tree.is_some() || bodies {
-        list.push(Box::new(Gravity::new(plan.clone())));
+        let gravity = Gravity::new(plan.clone());
+        watched |= gravity.sees_gas();
+        list.push(Box::new(gravity));
     }
     if let (true, true, Some(d), Some(hydro)) =
         (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro)
     {
+        watched = true;
         list.push(Box::new(DustDrag::new(
             populate::dust_law(scene, d),
             &hydro,
@@ -275,6 +279,7 @@ fn operators(
         &scene.planetesimals,
         hydro,
     ) {
+        watched = true;
         list.push(Box::new(BodyDrag::new(
             populate::body_law(scene, p),
             &hydro,
@@ -306,11 +311,8 @@ fn operators(
     };
     if dust {
         let force = scene.accuracy.acceleration_step;
-        list.push(Box::new(KickDust {
-            pacing,
-            force,
-            reaction: reaction(Mass::Dust, plan.dust),
-        }));
+        let reaction = reaction(Mass::Dust, plan.dust);
+        list.push(Box::new(KickDust::new(pacing, force, reaction)));
     }
     if let Some(hydro) = hydro.filter(|_| gas) {
         list.push(Box::new(KickGas {
@@ -318,7 +320,7 @@ fn operators(
             reaction: reaction(Mass::Gas, plan.gas),
             pacing,
         }));
-        list.push(Box::new(DriftGas));
+        list.push(Box::new(DriftGas { whole: watched }));
     }
     if dust {
         list.push(Box::new(DriftDust));

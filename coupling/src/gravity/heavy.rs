@@ -75,40 +75,32 @@ impl Plan {
                 .filter(|h| self.pulls[h.rank()][target])
                 .collect()
         };
-        let (gas, dust) = (&mut system.gas, &mut system.dust);
-        for (heavies, softening, x, h, end, gravity) in [
-            (
-                felt(0),
-                self.gas,
-                &gas.particles.x,
-                &gas.particles.h,
-                &gas.particles.end,
-                &mut gas.rates.gravity,
-            ),
-            (
-                felt(1),
-                self.dust,
-                &dust.particles.x,
-                &dust.particles.h,
-                &dust.particles.end,
-                &mut dust.rates.gravity,
-            ),
-        ] {
-            if heavies.is_empty() {
-                continue;
-            }
-            gravity
-                .par_iter_mut()
-                .enumerate()
-                .with_min_len(sum::CHUNK)
-                .for_each(|(i, gravity)| {
-                    if synchronous || end[i] == tick {
-                        for heavy in &heavies {
-                            *gravity += g * heavy.pull(x[i], softening.of(h[i])).0;
-                        }
-                    }
-                });
+        let (heavies_of_gas, softening) = (felt(0), self.gas);
+        if !heavies_of_gas.is_empty() {
+            system.gas.pull(|gravity, gas, i| {
+                let soft = softening.of(gas.h[i]);
+                (heavies_of_gas.iter())
+                    .fold(gravity, |sum, heavy| sum + g * heavy.pull(gas.x[i], soft).0)
+            });
         }
+        let heavies_of_dust = felt(1);
+        if heavies_of_dust.is_empty() {
+            return;
+        }
+        let dust = &mut system.dust;
+        let (particles, gravity) = (&dust.particles, &mut dust.rates.gravity);
+        gravity
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(sum::CHUNK)
+            .for_each(|(i, gravity)| {
+                if synchronous || particles.end[i] == tick {
+                    let soft = self.dust.of(particles.h[i]);
+                    for heavy in &heavies_of_dust {
+                        *gravity += g * heavy.pull(particles.x[i], soft).0;
+                    }
+                }
+            });
     }
 
     /// The pulls among star, planets and planetesimals that the kick has.

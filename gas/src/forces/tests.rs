@@ -152,6 +152,10 @@ fn half_of_the_gas_alone_gets_the_forces_that_all_get_together() {
     }
     gas.rates.next_span.clone_from(&gas.particles.span);
     gas.rates.hydro.fill(Vec3::zeros());
+    // It stands where it is.
+    gas.now = clock.tick;
+    gas.bound();
+    gas.look(&hydro, &clock);
     let targets = gas.forces(&hydro, &clock, &clock);
     let (mut impulse, mut size, mut touched) = (Vec3::zeros(), 0.0, 0);
     for i in 0..gas.len() {

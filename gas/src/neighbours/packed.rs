@@ -1,4 +1,4 @@
-//! All particles as a sweep sees them: packed leaf by leaf, coordinates from the middle of the leaf, what a pair needs in rows of quads.
+//! Particles as a sweep sees them: packed leaf by leaf, coordinates from the middle of the leaf, what a pair needs in rows of quads.
 
 use nbody::points::sum::Parts;
 use nbody::points::tree::Node;
@@ -134,11 +134,12 @@ pub struct Packed<E> {
 }
 
 impl<E: Real> Packed<E> {
-    /// Packs all particles: `source(i, d, coarser)` is the reach and the row of particle i, which stands at d from the middle of its
+    /// Packs the particles of `leaves`: `source(i, d, coarser)` is the reach and the row of particle i, which stands at d from the middle of its
     /// leaf, where steps are doubled `coarser` times.
     pub fn fill<const Q: usize>(
         &mut self,
         frame: &Frame,
+        leaves: &[u32],
         source: impl Fn(usize, Vec3, i32) -> (f64, [Quad<E>; Q]) + Sync,
     ) {
         let n = frame.x.len();
@@ -153,7 +154,7 @@ impl<E: Real> Packed<E> {
         let x = self.x.each_mut().map(|x| Parts::new(x));
         let (reaches, quads) = (Parts::new(&mut self.reach), Parts::new(&mut self.quads));
         let by_length = 1.0 / frame.units.length;
-        frame.tree.leaves.par_iter().for_each(|&leaf| {
+        leaves.par_iter().for_each(|&leaf| {
             let leaf = leaf as usize;
             let middle = frame.middle::<E>(leaf);
             let range = frame.tree.nodes[leaf].range();

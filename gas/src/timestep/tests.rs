@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nbody::points::Vec3;
+use nbody::points::{Domain, Vec3};
 
 use super::*;
 use crate::alone::advance;

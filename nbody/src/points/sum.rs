@@ -16,8 +16,18 @@ pub fn ordered<T: Add<Output = T> + Send>(
     zero: T,
     part: impl Fn(Range<usize>) -> T + Sync,
 ) -> T {
-    let chunks = n.div_ceil(CHUNK);
-    let range = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(n);
+    ordered_by(CHUNK, n, zero, part)
+}
+
+/// [`ordered`] in chunks of `chunk`, for what takes longer than a particle.
+pub fn ordered_by<T: Add<Output = T> + Send>(
+    chunk: usize,
+    n: usize,
+    zero: T,
+    part: impl Fn(Range<usize>) -> T + Sync,
+) -> T {
+    let chunks = n.div_ceil(chunk);
+    let range = |c: usize| c * chunk..((c + 1) * chunk).min(n);
     if chunks < 2 {
         return if n == 0 { zero } else { zero + part(0..n) };
     }

@@ -5,6 +5,9 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
+use super::sum::Parts;
 use super::{Domain, Vec3};
 
 /// A box with the particles first..end in it.
@@ -83,6 +86,17 @@ impl Tree {
         }
     }
 
+    /// Fits the boxes of all nodes but leaves to those of their leaves.
+    pub fn enclose(&mut self) {
+        for at in (0..self.nodes.len()).rev() {
+            if let Some((left, right)) = self.children(at) {
+                let (left, right) = (self.nodes[left], self.nodes[right]);
+                self.nodes[at].lo = left.lo.inf(&right.lo);
+                self.nodes[at].hi = left.hi.sup(&right.hi);
+            }
+        }
+    }
+
     /// The two children of a node; none for a leaf.
     pub fn children(&self, node: usize) -> Option<(usize, usize)> {
         let left = node + 1;
@@ -137,6 +151,30 @@ impl Tree {
         self.accumulate(most, &leaf, &f64::max);
     }
 
+    /// For every node the largest `value` of its particles in the leaves listed, into `most`; -1 where there are none, or none that is larger.
+    pub fn largest_of(
+        &self,
+        leaves: &[u32],
+        value: impl Fn(usize) -> f64 + Sync,
+        most: &mut Vec<f64>,
+    ) {
+        most.clear();
+        most.resize(self.nodes.len(), -1.0);
+        let own = Parts::new(most);
+        leaves.par_iter().with_min_len(16).for_each(|&leaf| {
+            let at = leaf as usize;
+            let range = self.nodes[at].range();
+            // SAFETY: each leaf is listed once.
+            let most = unsafe { &mut own.part(at..at + 1)[0] };
+            *most = range.fold(-1.0f64, |most, i| most.max(value(i)));
+        });
+        for at in (0..self.nodes.len()).rev() {
+            if let Some((left, right)) = self.children(at) {
+                most[at] = most[left].max(most[right]);
+            }
+        }
+    }
+
     /// Calls `visit(range, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
     /// box [lo, hi]. `extent` gives a node's own reach (as from [`Tree::largest`]), or is empty for none; a node with a negative extent is
     /// passed over. Every particle within reach is in a visited range; not every visited particle is within reach. The order is fixed.
@@ -147,6 +185,20 @@ impl Tree {
         reach: f64,
         extent: &[f64],
         mut visit: impl FnMut(Range<usize>, Vec3),
+    ) {
+        self.visit(domain, (lo, hi), reach, extent, |leaf, shift| {
+            visit(self.nodes[leaf].range(), shift);
+        });
+    }
+
+    /// [`Tree::near`] with the numbers of the leaves.
+    pub fn visit(
+        &self,
+        domain: &Domain,
+        (lo, hi): (Vec3, Vec3),
+        reach: f64,
+        extent: &[f64],
+        mut visit: impl FnMut(usize, Vec3),
     ) {
         let Some(root) = self.nodes.first() else {
             return;
@@ -166,7 +218,7 @@ impl Tree {
                 } else {
                     i += 1;
                     if node.skip as usize == i {
-                        visit(node.range(), shift);
+                        visit(i - 1, shift);
                     }
                 }
             }

@@ -1,0 +1,144 @@
+//! Kicks of the gas near the active particles, at the ends of steps: leaf by leaf, heat booked in the order of the leaves.
+
+use nbody::points::sum::Parts;
+use nbody::points::{Clock, Vec3, clock};
+use rayon::prelude::*;
+
+use super::{Heat, LEAST_PART};
+use crate::leaves::FEW;
+use crate::{Gas, Hydro};
+
+/// What a kick changes of a leaf's particles.
+struct Kicked<'a> {
+    v: &'a mut [Vec3],
+    u: &'a mut [f64],
+    v_pred: &'a mut [Vec3],
+    u_pred: &'a mut [f64],
+    begin: &'a mut [u32],
+    span: &'a mut [u32],
+    end: &'a mut [u32],
+}
+
+impl Kicked<'_> {
+    /// Adds `du` to the internal energy of particle k, of mass `m`, but leaves it positive.
+    fn warm(&mut self, hydro: &Hydro, k: usize, (m, du): (f64, f64), heat: &mut Heat) {
+        let u = &mut self.u[k];
+        let least = hydro.least_u.max(LEAST_PART * *u);
+        let wanted = *u + du;
+        *u = wanted;
+        if wanted < least && hydro.eos.is_free() {
+            *u = least;
+            heat.floored += m * (least - wanted);
+            heat.floors += 1;
+        }
+    }
+
+    /// The prediction of particle k starts anew from its state; gas bound to a temperature gives off what it has too much.
+    fn settle(&mut self, hydro: &Hydro, k: usize, m: f64, heat: &mut Heat) {
+        if hydro.eos.is_free() {
+            self.u_pred[k] = self.u[k];
+        } else {
+            heat.radiated += m * (self.u[k] - self.u_pred[k]);
+            self.u[k] = self.u_pred[k];
+        }
+        self.v_pred[k] = self.v[k];
+    }
+}
+
+/// What tells a kick about a particle.
+struct Impulses<'a> {
+    m: &'a [f64],
+    dv: &'a [Vec3],
+    du: &'a [f64],
+    gravity: &'a [Vec3],
+    next_span: &'a [u32],
+    wake: &'a [u32],
+}
+
+impl Gas {
+    /// Kicks that close the steps ending now.
+    pub fn close(&mut self, hydro: &Hydro, clock: &Clock) -> Heat {
+        let ending = |end: u32| clock.synchronous() || end == clock.tick;
+        self.kick(true, |kicked, given, (k, i), heat| {
+            kicked.v[k] += given.dv[i];
+            let active = ending(kicked.end[k]);
+            if active {
+                let ticks = clock::closing(clock.tick, kicked.begin[k], kicked.span[k]);
+                kicked.v[k] += ticks * clock.unit() * given.gravity[i];
+            }
+            kicked.warm(hydro, k, (given.m[i], given.du[i]), heat);
+            if active {
+                kicked.settle(hydro, k, given.m[i], heat);
+            }
+        })
+    }
+
+    /// Kicks that open the steps beginning now.
+    pub fn open(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> Heat {
+        let ending = |end: u32| clock.synchronous() || end == clock.tick;
+        let heat = self.kick(false, |kicked, given, (k, i), heat| {
+            kicked.v[k] += given.dv[i];
+            if ending(kicked.end[k]) {
+                let span = given.next_span[i];
+                kicked.v[k] += clock::opening(span) * next.unit() * given.gravity[i];
+                kicked.begin[k] = next.tick;
+                kicked.span[k] = span;
+                kicked.end[k] = next.tick + span;
+            }
+            kicked.end[k] = kicked.end[k].min(given.wake[i]);
+            kicked.warm(hydro, k, (given.m[i], given.du[i]), heat);
+        });
+        self.bound_near(&hydro.domain, next);
+        heat
+    }
+
+    /// Kicks the particles near the active ones, each by `kick(columns, impulses, (place in its leaf, place), heat)`.
+    fn kick(
+        &mut self,
+        closing: bool,
+        kick: impl Fn(&mut Kicked, &Impulses, (usize, usize), &mut Heat) + Sync,
+    ) -> Heat {
+        let (p, r) = (&mut self.particles, &mut self.rates);
+        let given = Impulses {
+            m: &p.m,
+            dv: if closing { &r.dv_close } else { &r.dv_open },
+            du: if closing { &r.du_close } else { &r.du_open },
+            gravity: &r.gravity,
+            next_span: &r.next_span,
+            wake: &self.wake,
+        };
+        let (v, u) = (Parts::new(&mut p.v), Parts::new(&mut p.u));
+        let (v_pred, u_pred) = (Parts::new(&mut r.v_pred), Parts::new(&mut r.u_pred));
+        let (begin, span, end) = (
+            Parts::new(&mut p.begin),
+            Parts::new(&mut p.span),
+            Parts::new(&mut p.end),
+        );
+        let nodes = &self.tree.nodes;
+        let near = self.vicinity.near.par_iter().with_min_len(FEW);
+        let of_leaf = |&leaf: &u32| {
+            let own = nodes[leaf as usize].range();
+            // SAFETY: leaves have no particles in common.
+            let mut kicked = unsafe {
+                Kicked {
+                    v: v.part(own.clone()),
+                    u: u.part(own.clone()),
+                    v_pred: v_pred.part(own.clone()),
+                    u_pred: u_pred.part(own.clone()),
+                    begin: begin.part(own.clone()),
+                    span: span.part(own.clone()),
+                    end: end.part(own.clone()),
+                }
+            };
+            let mut heat = Heat::default();
+            for place in own.enumerate() {
+                kick(&mut kicked, &given, place, &mut heat);
+            }
+            heat
+        };
+        near.map(of_leaf).collect_into_vec(&mut self.heats);
+        self.heats
+            .iter()
+            .fold(Heat::default(), |sum, &heat| sum.and(heat))
+    }
+}
