@@ -11,6 +11,13 @@ use crate::assemble::{self, Assembly};
 use crate::scene::Scene;
 use crate::stopwatch::Stopwatch;
 
+/// What there is to see at a stop: the closed system, its books, and the cost so far.
+pub struct Stop<'a> {
+    pub system: &'a System,
+    pub books: &'a Report,
+    pub watch: &'a Stopwatch,
+}
+
 /// A scene in place, before its first step or at the last of its stops.
 pub struct Trial {
     pub scene: Scene,
@@ -42,13 +49,8 @@ impl Trial {
         })
     }
 
-    /// Runs from the start through `stops`, ascending times of which the first is the start, and calls `visit` with the closed system and
-    /// its books at each.
-    pub fn run(
-        &mut self,
-        stops: &[f64],
-        mut visit: impl FnMut(&System, &Report),
-    ) -> Result<(), Fault> {
+    /// Runs from the start through `stops`, ascending times of which the first is the start, and calls `visit` at each. To be called once.
+    pub fn run(&mut self, stops: &[f64], mut visit: impl FnMut(&Stop)) -> Result<(), Fault> {
         let mut met = 0;
         loop {
             let system = &mut self.system;
@@ -70,10 +72,14 @@ impl Trial {
                 let row = system
                     .ledger
                     .report(now, census, system.potential, &system.domain);
-                visit(system, &row);
+                self.watch.stop();
+                visit(&Stop {
+                    system,
+                    books: &row,
+                    watch: &self.watch,
+                });
             }
             if met == stops.len() {
-                self.watch.stop();
                 return Ok(());
             }
             self.splitting.open(system, &mut self.watch)?;

@@ -17,7 +17,7 @@ pub struct Workload {
 }
 
 /// A periodic cube of 12^3 particles, to be jittered.
-const BOX: &str = r#"
+pub const BOX: &str = r#"
 [units]
 system = "dimensionless"
 [domain]
@@ -128,7 +128,7 @@ integrator = "hybrid"
 fn as_they_are(_: &mut Particles) {}
 
 /// Moves each particle by up to a fifth of the lattice's spacing, and sets all in a solenoidal motion.
-fn jitter(gas: &mut Particles) {
+pub fn jitter(gas: &mut Particles) {
     let domain = Domain::periodic(Vec3::repeat(1.0));
     let spacing = (gas.x.len() as f64).powf(-1.0 / 3.0);
     for i in 0..gas.x.len() {
@@ -153,7 +153,9 @@ pub fn run(name: &str, steps: usize) -> f64 {
     let trial = Trial::new(&text, workload.prepare);
     let mut trial = trial.unwrap_or_else(|refusal| panic!("{name}: {refusal}"));
     let mut error = f64::NAN;
-    let done = trial.run(&[0.0, end], |_, books| error = books.error_energy);
+    let done = trial.run(&[0.0, end], |stop| {
+        error = stop.books.error_energy;
+    });
     done.unwrap_or_else(|fault| panic!("{name}: {fault}"));
     error
 }

@@ -66,8 +66,8 @@ fn solo(scene: &str, end: f64, prepare: impl FnOnce(&mut Particles)) -> (End, f6
     let mut trial =
         Trial::new(scene, prepare).unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
     let mut last = None;
-    let done = trial.run(&[0.0, end], |system, books| {
-        last = Some(End::of(system, books));
+    let done = trial.run(&[0.0, end], |stop| {
+        last = Some(End::of(stop.system, stop.books));
     });
     done.unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
     let cost = trial.cpu_s() / trial.updates() as f64;

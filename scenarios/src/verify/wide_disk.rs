@@ -24,8 +24,8 @@ pub fn rows() -> Vec<Row> {
     let stops: Vec<f64> = (0..=12).map(|k| 0.25 * f64::from(k) * orbit).collect();
     let (mut start, mut last) = (Vec::new(), Vec::new());
     let (mut thin, mut thick, mut angular) = ([f64::INFINITY; RINGS], [0.0f64; RINGS], 0.0);
-    let done = trial.run(&stops, |system, books| {
-        let rings = rings(system);
+    let done = trial.run(&stops, |stop| {
+        let rings = rings(stop.system);
         for (k, ring) in rings.iter().enumerate() {
             thin[k] = thin[k].min(ring.thickness);
             thick[k] = thick[k].max(ring.thickness);
@@ -35,7 +35,7 @@ pub fn rows() -> Vec<Row> {
             start.clone_from(&masses);
         }
         last = masses;
-        angular = books.error_angular_momentum;
+        angular = stop.books.error_angular_momentum;
     });
     done.unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
     let changes: Vec<f64> = (start.iter().zip(&last))
