@@ -11,6 +11,7 @@ mod dust {
 }
 mod gas {
     mod shock_tube;
+    mod square;
 }
 mod nbody {
     mod collisions;

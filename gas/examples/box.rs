@@ -1,10 +1,11 @@
 //! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
 //!
 //! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps] [precision: double | single]
+//!     [formulation: density | pressure] [viscosity: constant | balsara | cullen-dehnen | none] [alpha of conduction]
 
 use std::f64::consts::TAU;
 
-use gas::{Eos, Gas, Hydro, KernelKind, Particles, Precision};
+use gas::{Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
 use nbody::points::clock::Pacing;
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
@@ -25,6 +26,19 @@ fn main() {
     if words.get(4).is_some_and(|word| word == "single") {
         hydro.precision = Precision::Single;
     }
+    if words.get(5).is_some_and(|word| word == "pressure") {
+        hydro.formulation = Formulation::Pressure;
+    }
+    let (alpha, beta) = (0.7, 2.0);
+    hydro.viscosity = match words.get(6).map_or("constant", String::as_str) {
+        "none" => Viscosity::None,
+        "balsara" => Viscosity::Balsara { alpha, beta },
+        "cullen-dehnen" => Viscosity::CullenDehnen { alpha, beta },
+        _ => hydro.viscosity,
+    };
+    hydro.conduction = Conduction {
+        alpha: number(7, 0.0),
+    };
     let mut gas = jittered(number(0, 48.0) as usize);
     let mut cost = [
         ("density", 0.0),
@@ -71,11 +85,14 @@ fn main() {
         timed(4, &mut || gas.refit(&domain, &clock));
     }
     println!(
-        "N {} {:?} {:?} {} neighbours, {updates} updates in {steps} steps",
+        "N {} {:?} {:?} {} neighbours, {:?} {:?} {:?}, {updates} updates in {steps} steps",
         gas.len(),
         hydro.precision,
         hydro.kernel,
-        hydro.neighbours
+        hydro.neighbours,
+        hydro.formulation,
+        hydro.viscosity,
+        hydro.conduction,
     );
     let each = |cpu: f64| cpu / updates as f64 * 1e6;
     for (phase, cpu) in cost {

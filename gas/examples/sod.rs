@@ -1,10 +1,13 @@
 //! Sod's shock tube in three dimensions (gamma = 5/3): error norms against the exact solution, and the cost of an update.
 //!
 //! sod [n] [kernel: wendland | cubic] [neighbours] [alpha] [beta] [courant] [precision: double | single] [constant | cullen-dehnen]
+//!     [formulation: density | pressure] [alpha of conduction]
 //! Box 2 x 16/n x 16/n; equal-mass body-centred lattices with cell 1/n at rho 1 and 2/n at rho 1/8; P = 1 and 0.1; t = 0.2.
 //! Norm: volume-weighted mean of |f - exact| over |x - 1| < 0.5.
 
-use gas::{Eos, Gas, Hydro, KernelKind, Particles, Precision, Viscosity, alone};
+use gas::{
+    Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity, alone,
+};
 use nbody::points::{Columns, Domain, Vec3};
 
 const GAMMA: f64 = 5.0 / 3.0;
@@ -33,6 +36,12 @@ fn main() {
     if words.get(6).is_some_and(|word| word == "single") {
         hydro.precision = Precision::Single;
     }
+    if words.get(8).is_some_and(|word| word == "pressure") {
+        hydro.formulation = Formulation::Pressure;
+    }
+    hydro.conduction = Conduction {
+        alpha: number(9, 0.0),
+    };
     let before = gas.totals();
     let start = cpu_seconds();
     let account = alone::advance(&mut gas, &hydro, 0.0, 0.2, 0.2).expect("a run");
@@ -41,12 +50,14 @@ fn main() {
     let energy = (after.kinetic + after.internal) / (before.kinetic + before.internal) - 1.0;
     let [rho, v, p] = norms(&gas, 0.2);
     println!(
-        "N {} {:?} {:?} {} {:?} courant {}",
+        "N {} {:?} {:?} {} {:?} {:?} {:?} courant {}",
         gas.len(),
         hydro.precision,
         hydro.kernel,
         hydro.neighbours,
+        hydro.formulation,
         hydro.viscosity,
+        hydro.conduction,
         hydro.courant
     );
     println!(

@@ -71,6 +71,21 @@ impl Eos {
         (self.gamma() - 1.0) * rho * u
     }
 
+    /// P / (rho c_s^2).
+    #[inline]
+    pub fn pressure_by_square(&self) -> f64 {
+        match *self {
+            Self::Ideal { gamma } => 1.0 / gamma,
+            _ => 1.0,
+        }
+    }
+
+    /// u / c_s^2.
+    #[inline]
+    pub fn energy_by_square(&self) -> f64 {
+        self.pressure_by_square() / (self.gamma() - 1.0)
+    }
+
     /// c_s(u): adiabatic for ideal gas, isothermal for gas bound to a temperature.
     #[inline]
     pub fn sound_speed(&self, u: f64) -> f64 {
@@ -95,6 +110,17 @@ mod tests {
         let slope =
             (ideal.pressure(rho + e, u + heat) - ideal.pressure(rho - e, u - heat)) / (2.0 * e);
         assert!((ideal.sound_speed(u).powi(2) - slope).abs() < 1e-9);
+    }
+
+    #[test]
+    fn pressure_and_energy_follow_from_the_square_of_the_sound_speed() {
+        let disk = Eos::of_disk(0.05, 4.0, 10.0, 0.25, 1.4);
+        for eos in [Eos::Ideal { gamma: 1.4 }, disk] {
+            let square = eos.sound_speed(0.3).powi(2);
+            let p = eos.pressure(2.0, 0.3) / 2.0;
+            assert!((eos.pressure_by_square() * square / p - 1.0).abs() < 1e-14);
+            assert!((eos.energy_by_square() * square / 0.3 - 1.0).abs() < 1e-14);
+        }
     }
 
     #[test]

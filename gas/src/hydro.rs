@@ -3,12 +3,13 @@
 use nbody::points::{Boundary, Domain};
 
 use crate::kernel::unit_sphere;
-use crate::{Eos, KernelKind, Precision, Viscosity};
+use crate::{Conduction, Eos, Formulation, KernelKind, Precision, Viscosity};
 
 /// What the gas of a scene is and how it is solved; constant over a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hydro {
     pub domain: Domain,
+    pub formulation: Formulation,
     pub kernel: KernelKind,
     pub precision: Precision,
     /// Wanted smooth neighbour number V_d H^d n.
@@ -19,6 +20,8 @@ pub struct Hydro {
     pub largest_h: f64,
     pub eos: Eos,
     pub viscosity: Viscosity,
+    /// Without effect on gas that is bound to a temperature.
+    pub conduction: Conduction,
     /// C in dt <= 2 C h / v_sig; v_sig is about twice the sound speed.
     pub courant: f64,
     /// C in dt <= C sqrt(h / |acceleration|).
@@ -32,6 +35,7 @@ impl Hydro {
     pub fn new(domain: Domain, eos: Eos) -> Self {
         Self {
             domain,
+            formulation: Formulation::Density,
             kernel: KernelKind::WendlandC2,
             precision: Precision::Double,
             neighbours: if domain.dimensions() == 3 { 58.0 } else { 24.0 },
@@ -42,6 +46,7 @@ impl Hydro {
                 alpha: 0.7,
                 beta: 2.0,
             },
+            conduction: Conduction::NONE,
             courant: 0.25,
             force_factor: 0.25,
             least_u: 0.0,
@@ -51,6 +56,15 @@ impl Hydro {
     /// 2 or 3.
     pub fn dimensions(&self) -> usize {
         self.domain.dimensions()
+    }
+
+    /// Whether heat is conducted.
+    pub fn conducts(&self) -> bool {
+        assert!(
+            self.conduction.alpha >= 0.0,
+            "heat is conducted from the hotter to the colder"
+        );
+        self.conduction.alpha > 0.0 && self.eos.is_free()
     }
 
     /// Kernel support by smoothing length, H / h.

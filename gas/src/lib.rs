@@ -1,9 +1,11 @@
 //! Gas: self-gravitating smoothed particle hydrodynamics.
 
 pub mod alone;
+pub mod conduction;
 pub mod density;
 pub mod eos;
 pub mod forces;
+pub mod formulation;
 pub mod hydro;
 pub mod kernel;
 mod lanes;
@@ -20,7 +22,9 @@ mod vicinity;
 pub mod viscosity;
 mod workspace;
 
+pub use conduction::Conduction;
 pub use eos::Eos;
+pub use formulation::Formulation;
 pub use hydro::Hydro;
 pub use kernel::{CubicSpline, Kernel, KernelKind, WendlandC2};
 pub use particles::{Derived, Gas, Particles, Rates};

@@ -63,6 +63,8 @@ columns! {
         curl_v: Real = Label::checkpoint("VelocityCurls", Dimension::RATE, "modulus of the curl of the velocity"),
         /// largest signal speed towards a neighbour
         v_sig: Real = Label::checkpoint("SignalSpeeds", Dimension::VELOCITY, "largest signal speed towards a neighbour"),
+        /// pressure of the formulation by that of density and energy, where they are two
+        p_ratio: Real = Label::checkpoint("PressureRatios", Dimension::NONE, "pressure of the formulation by that of density and energy").optional(),
         /// shortest step among the neighbours, in ticks
         near_span: Short = Label::checkpoint("NeighbourSpans", Dimension::NONE, "shortest step among the neighbours in ticks"),
     }

@@ -10,7 +10,7 @@ use nbody::points::{Columns, Dimension, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
 use crate::run::RunError;
-use crate::scene::{BodyDrag, Collisions, Scene};
+use crate::scene::{BodyDrag, Collisions, Formulation, Scene, Viscosity};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -28,6 +28,9 @@ pub fn outline(scene: &Scene) -> Result<String, RunError> {
         "  operators of a step: {}",
         splitting.names().join(", ")
     ));
+    method(scene)
+        .iter()
+        .for_each(|words| line(format!("  {words}")));
     remarks
         .iter()
         .for_each(|remark| line(format!("  {remark}")));
@@ -84,6 +87,32 @@ fn populations(system: &System) -> String {
         writeln!(text, "  {count} {name}").expect("writing to a string does not fail");
     }
     text
+}
+
+/// How the gas is solved.
+fn method(scene: &Scene) -> Option<String> {
+    let gas = scene.gas.as_ref()?;
+    let formulation = match gas.hydro.formulation {
+        Formulation::Density => "density-energy",
+        Formulation::Pressure => "pressure-energy",
+    };
+    let viscosity = match gas.viscosity {
+        Viscosity::None => "no viscosity".to_owned(),
+        Viscosity::Constant { alpha, .. } => format!("constant viscosity alpha = {alpha}"),
+        Viscosity::Balsara { alpha, .. } => format!("Balsara's viscosity alpha = {alpha}"),
+        Viscosity::CullenDehnen { alpha, .. } => {
+            format!("Cullen & Dehnen's viscosity alpha <= {alpha}")
+        }
+    };
+    let conduction = if gas.conduction > 0.0 {
+        format!(", conduction alpha = {}", gas.conduction)
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "gas: {formulation} SPH with {} neighbours, {viscosity}{conduction}",
+        gas.hydro.neighbours
+    ))
 }
 
 /// What acts by a formula, and on whom.

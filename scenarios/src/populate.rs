@@ -4,7 +4,7 @@ use std::fmt;
 
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
-use gas::{Eos, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
+use gas::{Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
 use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
@@ -70,7 +70,14 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
             scene::Precision::Single => Precision::Single,
             scene::Precision::Double => Precision::Double,
         },
+        formulation: match gas.hydro.formulation {
+            scene::Formulation::Density => Formulation::Density,
+            scene::Formulation::Pressure => Formulation::Pressure,
+        },
         viscosity,
+        conduction: Conduction {
+            alpha: gas.conduction,
+        },
         courant: gas.hydro.courant,
         force_factor: scene.accuracy.acceleration_step,
         ..Hydro::new(scene.domain, eos)

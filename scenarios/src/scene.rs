@@ -88,6 +88,8 @@ pub struct Gas {
     pub cooling: Cooling,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
+    /// alpha of the conduction; none if zero.
+    pub conduction: f64,
 }
 
 /// A disk about the star: Sigma ~ r^slope between the radii, c_s ~ r^-exponent, H/r = aspect_ratio at the reference radius.
@@ -193,6 +195,7 @@ pub enum Precision {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Formulation {
     Density,
+    Pressure,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use crate::atomic::publish;
 use crate::hdf::{
     FileError, Result, length, write_column, write_number, write_numbers, write_text,
 };
-use crate::scene::{Eos, Kernel, Scene};
+use crate::scene::{Eos, Formulation, Kernel, Scene};
 use crate::units::Units;
 
 /// Types of particles that SWIFT's header counts.
@@ -169,7 +169,12 @@ fn hydro_scheme(group: &Folder, scene: &Scene) -> Result<()> {
     let Some(gas) = &scene.gas else {
         return write_text(group, "Scheme", "none");
     };
-    write_text(group, "Scheme", "density-energy SPH")?;
+    let scheme = match gas.hydro.formulation {
+        Formulation::Density => "density-energy SPH",
+        Formulation::Pressure => "pressure-energy SPH",
+    };
+    write_text(group, "Scheme", scheme)?;
+    write_number(group, "Thermal conduction alpha", gas.conduction)?;
     write_number(group, "Dimension", scene.domain.dimensions() as i32)?;
     let kernel = match gas.hydro.kernel {
         Kernel::WendlandC2 => "Wendland C2",

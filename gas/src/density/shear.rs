@@ -1,6 +1,7 @@
 //! The velocity gradient of one particle, exact for linear flows, and how orderly the flow around it converges.
 //!
 //! V = (sum m_j s_j v_ij d^T) (sum m_j s_j d d^T)^-1, s = dw/dq / q;   R = sum m_j sign(div v_j) W / sum m_j W
+//! with V = grad v; its antisymmetric part is the curl.
 //! Source: Cullen & Dehnen (2010), appendix B and eq. 17.
 
 use fearless_simd::{Simd, SimdFloat};
@@ -17,13 +18,17 @@ const FLAT: f64 = 1e-6;
 
 /// What the sums say of the flow, in units of the sweep.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Gradient {
-    /// Trace of V.
-    pub div_v: f64,
+pub struct Flow {
+    /// Trace of V; none where the neighbours span no volume.
+    pub trace: Option<f64>,
+    /// Modulus of the curl that V has, zero where there is none.
+    pub curl: f64,
     /// tr S S^T of the traceless symmetric part S of V.
     pub shear2: f64,
     /// R.
     pub order: f64,
+    /// sum m_j s_j v_ij . d
+    pub m_div: f64,
 }
 
 /// The sums over neighbours.
@@ -64,46 +69,67 @@ impl<S: Simd, E: Real> Shear<S, E> {
         }
     }
 
-    /// The gradient along the `axes` of the domain; where the neighbours span no volume, `div_v` stands for its trace and shear for nothing.
+    /// The flow along the `axes` of the domain; `mass` is sum m_j W.
     #[inline(always)]
-    pub fn gradient<R: Machine<S, E>>(&self, axes: [bool; 3], mass: f64, div_v: f64) -> Gradient {
-        let mut dd = Matrix3::zeros();
-        for (sum, (a, b)) in self.dd.iter().zip(PAIRS) {
-            (dd[(a, b)], dd[(b, a)]) = (R::total(*sum), R::total(*sum));
+    pub fn flow<R: Machine<S, E>>(&self, axes: [bool; 3], mass: f64) -> Flow {
+        let [dd, vd] = [&self.dd, self.vd.as_flattened()];
+        let a = R::totals([dd[0], dd[1], dd[2], dd[3]]);
+        let b = R::totals([dd[4], dd[5], vd[8], self.signs]);
+        let c = R::totals([vd[0], vd[1], vd[2], vd[3]]);
+        let d = R::totals([vd[4], vd[5], vd[6], vd[7]]);
+        let dd = Matrix3::new(a[0], a[1], a[2], a[1], a[3], b[0], a[2], b[0], b[1]);
+        let vd = Matrix3::new(c[0], c[1], c[2], c[3], d[0], d[1], d[2], d[3], b[2]);
+        let flow = Flow {
+            order: b[3] / mass,
+            m_div: vd.trace(),
+            ..Flow::default()
+        };
+        let Some(v) = gradient(dd, vd, axes) else {
+            return flow;
+        };
+        let (trace, shear2) = strain(&v, axes);
+        Flow {
+            trace: Some(trace),
+            shear2,
+            curl: Vec3::new(v.m32 - v.m23, v.m13 - v.m31, v.m21 - v.m12).norm(),
+            ..flow
         }
-        let vd = Matrix3::from_fn(|a, b| R::total(self.vd[a][b]));
-        let order = R::total(self.signs) / mass;
-        gradient(dd, vd, axes).map_or(
-            Gradient {
-                div_v,
-                shear2: 0.0,
-                order,
-            },
-            |[div_v, shear2]| Gradient {
-                div_v,
-                shear2,
-                order,
-            },
-        )
     }
 }
 
-/// Trace and squared shear of vd dd^-1 along `axes`, if dd has an inverse.
-fn gradient(mut dd: Matrix3<f64>, vd: Matrix3<f64>, axes: [bool; 3]) -> Option<[f64; 2]> {
+/// vd dd^-1 along `axes`, if dd has an inverse.
+#[inline(always)]
+fn gradient(mut dd: Matrix3<f64>, vd: Matrix3<f64>, axes: [bool; 3]) -> Option<Matrix3<f64>> {
     let size = dd.trace();
     // Along axes that are missing nothing varies.
     for a in (0..3).filter(|&a| !axes[a]) {
         dd[(a, a)] = size;
     }
-    let spanned = dd.determinant().abs() > FLAT * size.abs().powi(3);
-    let inverse = dd.try_inverse().filter(|_| spanned)?;
-    let v = vd * inverse;
-    let present = |a: usize| f64::from(u8::from(axes[a]));
-    let along = Vec3::from_fn(|a, _| present(a));
-    let mean = v.diagonal().dot(&along) / along.sum();
-    let plane = Matrix3::from_fn(|a, b| v[(a, b)] * present(a) * present(b));
-    let shear = 0.5 * (plane + plane.transpose()) - mean * Matrix3::from_diagonal(&along);
-    Some([mean * along.sum(), shear.norm_squared()])
+    let [x, y, z] = [dd.column(0), dd.column(1), dd.column(2)].map(|c| c.into_owned());
+    // Rows of the inverse times the determinant, whose columns are those of dd.
+    let rows = [y.cross(&z), z.cross(&x), x.cross(&y)];
+    let determinant = x.dot(&rows[0]);
+    let spanned = determinant.abs() > FLAT * (size * size * size).abs();
+    let adjoint = Matrix3::from_rows(&rows.map(|row| row.transpose()));
+    spanned.then(|| vd * adjoint * (1.0 / determinant))
+}
+
+/// Trace, and square of the traceless symmetric part, along `axes`.
+#[inline(always)]
+fn strain(v: &Matrix3<f64>, axes: [bool; 3]) -> (f64, f64) {
+    let present = axes.map(|axis| f64::from(u8::from(axis)));
+    let trace = v.m11 * present[0] + v.m22 * present[1] + v.m33 * present[2];
+    let mean = trace / (present[0] + present[1] + present[2]);
+    let along = |x: f64, a: usize| (x - mean) * present[a];
+    let across = |x: f64, y: f64, a: usize, b: usize| 0.5 * (x + y) * present[a] * present[b];
+    let diagonal = [along(v.m11, 0), along(v.m22, 1), along(v.m33, 2)];
+    let off = [
+        across(v.m12, v.m21, 0, 1),
+        across(v.m13, v.m31, 0, 2),
+        across(v.m23, v.m32, 1, 2),
+    ];
+    let square = |x: [f64; 3]| x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    (trace, square(diagonal) + 2.0 * square(off))
 }
 
 #[cfg(test)]
@@ -121,7 +147,8 @@ mod tests {
             dd += weight * d * d.transpose();
             vd += weight * flow * d * d.transpose();
         }
-        let [div_v, shear2] = gradient(dd, vd, [true; 3]).expect("a volume");
+        let v = gradient(dd, vd, [true; 3]).expect("a volume");
+        let (div_v, shear2) = strain(&v, [true; 3]);
         let mean = flow.trace() / 3.0;
         let expected = 0.5 * (flow + flow.transpose()) - Matrix3::identity() * mean;
         assert!((div_v + 0.5).abs() < 1e-12);
@@ -136,10 +163,13 @@ mod tests {
         // Rotation has neither divergence nor shear; v_z is a passive number there.
         let dd = -Matrix3::from_diagonal(&Vec3::new(2.0, 3.0, 0.0));
         let flow = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 5.0, 5.0, 0.0);
-        let [div_v, shear2] = gradient(dd, flow * dd, [true, true, false]).expect("a plane");
+        let plane = [true, true, false];
+        let v = gradient(dd, flow * dd, plane).expect("a plane");
+        let (div_v, shear2) = strain(&v, plane);
         assert!(div_v.abs() < 1e-15 && shear2 < 1e-15, "{div_v} {shear2}");
         let kepler = Matrix3::new(0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        let [_, shear2] = gradient(dd, kepler * dd, [true, true, false]).expect("a plane");
+        let v = gradient(dd, kepler * dd, plane).expect("a plane");
+        let (_, shear2) = strain(&v, plane);
         assert!((shear2 - 2.0 * 0.75 * 0.75).abs() < 1e-14);
     }
 }

@@ -1,25 +1,48 @@
 //! The sums over the neighbours of one particle, in units of the sweep.
 
+use std::marker::PhantomData;
+
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat};
 
 use super::law::Law;
-use super::shear::{Gradient, Shear};
+use super::shear::{Flow, Shear};
 use crate::Kernel;
+use crate::formulation::Content;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
 
-/// Quads of a row: mass and velocity; sound speed and step.
+/// Quads of a row: mass and velocity; sound speed, step, sign of the divergence, content.
 pub const QUADS: usize = 2;
+
+/// The sums that a sweep has.
+pub trait Terms: Send + Sync + 'static {
+    type Kernel: Kernel;
+    type Content: Content;
+    /// Whether the velocity gradient is wanted.
+    const GRADIENT: bool;
+}
+
+/// Terms by type.
+pub struct All<K, C, const GRADIENT: bool>(PhantomData<(K, C)>);
+
+impl<K: Kernel, C: Content, const GRADIENT: bool> Terms for All<K, C, GRADIENT> {
+    type Kernel = K;
+    type Content = C;
+    const GRADIENT: bool = GRADIENT;
+}
 
 /// What the sums say of a particle.
 pub struct Local {
     pub rho: f64,
-    /// g in units of mass.
-    pub g: f64,
+    /// y; the density again where that is y.
+    pub y: f64,
+    /// g by the particle's own content.
+    pub grad_h: f64,
     pub div_v: f64,
     pub curl_v: f64,
     pub v_sig: f64,
     pub near_span: f64,
-    pub gradient: Gradient,
+    /// Empty where no gradient is wanted.
+    pub flow: Flow,
 }
 
 /// Sums over neighbours, without and with their masses.
@@ -27,6 +50,8 @@ pub struct Sums<S: Simd, E: Real> {
     mass: Lanes<S, E>,
     slope: Lanes<S, E>,
     mass_slope: Lanes<S, E>,
+    content: Lanes<S, E>,
+    content_slope: Lanes<S, E>,
     div: Lanes<S, E>,
     mass_div: Lanes<S, E>,
     curl: [Lanes<S, E>; 3],
@@ -39,6 +64,7 @@ pub struct Sums<S: Simd, E: Real> {
 /// The particle that the sums are about.
 pub struct Own<E> {
     pub row: [Quad<E>; QUADS],
+    pub m: f64,
     /// H.
     pub reach: f64,
     /// Units of velocity a step of velocity.
@@ -53,6 +79,8 @@ impl<S: Simd, E: Real> Sums<S, E> {
             mass: zero,
             slope: zero,
             mass_slope: zero,
+            content: zero,
+            content_slope: zero,
             div: zero,
             mass_div: zero,
             curl: [zero; 3],
@@ -63,9 +91,9 @@ impl<S: Simd, E: Real> Sums<S, E> {
         }
     }
 
-    /// Adds some neighbours: their columns, separations `d` and distances `r`; with `GRADIENT` to those of the velocity gradient too.
+    /// Adds some neighbours: their columns, separations `d` and distances `r`.
     #[inline(always)]
-    pub fn add<K: Kernel, R: Machine<S, E>, const GRADIENT: bool>(
+    pub fn add<T: Terms, R: Machine<S, E>>(
         &mut self,
         simd: S,
         own: &Own<E>,
@@ -73,7 +101,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
         d: [Lanes<S, E>; 3],
         r: Lanes<S, E>,
     ) {
-        let [[m, v_x, v_y, v_z], [cs, span, sign, _]] = columns;
+        let [[m, v_x, v_y, v_z], [cs, span, sign, content]] = columns;
         let [Quad([_, v @ ..]), Quad([cs_i, ..])] = own.row;
         let step = same::<S, E>(simd, own.velocity_step);
         let dv = [
@@ -83,24 +111,30 @@ impl<S: Simd, E: Real> Sums<S, E> {
         ];
         let (zero, one) = (same::<S, E>(simd, 0.0), same::<S, E>(simd, 1.0));
         let q = (r * same::<S, E>(simd, 1.0 / own.reach)).min(one);
-        let slope = K::slope(q);
+        let slope = T::Kernel::slope(q);
         let m_slope = m * slope;
         let fall = q * q;
-        let value = m * K::value(q);
-        self.mass += value;
-        if GRADIENT {
-            self.shear.add(d, dv, [m_slope, value, sign]);
-        }
+        let value = T::Kernel::value(q);
+        let m_value = m * value;
+        self.mass += m_value;
         self.slope = fall.mul_add(-slope, self.slope);
         self.mass_slope = fall.mul_add(-m_slope, self.mass_slope);
+        if !T::Content::IS_MASS {
+            self.content = content.mul_add(value, self.content);
+            self.content_slope = (fall * content).mul_add(-slope, self.content_slope);
+        }
         let approach = dv[2].mul_add(d[2], dv[1].mul_add(d[1], dv[0] * d[0]));
         self.div = slope.mul_add(approach, self.div);
-        self.mass_div = m_slope.mul_add(approach, self.mass_div);
-        for a in 0..3 {
-            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-            let turn = dv[b].mul_add(d[c], -(dv[c] * d[b]));
-            self.curl[a] = slope.mul_add(turn, self.curl[a]);
-            self.mass_curl[a] = m_slope.mul_add(turn, self.mass_curl[a]);
+        if T::GRADIENT {
+            self.shear.add(d, dv, [m_slope, m_value, sign]);
+        } else {
+            self.mass_div = m_slope.mul_add(approach, self.mass_div);
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                let turn = dv[b].mul_add(d[c], -(dv[c] * d[b]));
+                self.curl[a] = slope.mul_add(turn, self.curl[a]);
+                self.mass_curl[a] = m_slope.mul_add(turn, self.mass_curl[a]);
+            }
         }
         let inside = q.simd_lt(one);
         let tiny = same::<S, E>(simd, E::TINY.sqrt());
@@ -112,17 +146,67 @@ impl<S: Simd, E: Real> Sums<S, E> {
         self.near_span = self.near_span.min(other.select(span, none));
     }
 
-    /// The velocity gradient along the axes of the domain.
+    /// What the sums say; `free` is whether H follows the particles, `axes` those of the domain.
     #[inline(always)]
-    pub fn gradient<R: Machine<S, E>>(&self, axes: [bool; 3], div_v: f64) -> Gradient {
-        self.shear.gradient::<R>(axes, R::total(self.mass), div_v)
-    }
-
-    /// What the sums say; `m` is the mass of the particle, `free` whether H follows the particles.
-    #[inline(always)]
-    pub fn local<R: Machine<S, E>>(&self, law: &Law, m: f64, reach: f64, free: bool) -> Local {
+    pub fn local<T: Terms, R: Machine<S, E>>(
+        &self,
+        law: &Law,
+        own: &Own<E>,
+        free: bool,
+        axes: [bool; 3],
+    ) -> Local {
         let [mass, slope, mass_slope, div] =
             R::totals([self.mass, self.slope, self.mass_slope, self.div]);
+        let own_content = own.row[1].0[3].to_f64();
+        let grad = |sum: f64, fall: f64| {
+            if free {
+                (fall - law.d * sum) / slope
+            } else {
+                0.0
+            }
+        };
+        let volume = own.reach * own.reach * if law.d > 2.5 { own.reach } else { 1.0 };
+        let counted = mass - law.excess * own.m;
+        let rho = law.norm / volume * counted;
+        let g = grad(counted, mass_slope);
+        let (y, grad_h) = if T::Content::IS_MASS {
+            (rho, g / own.m)
+        } else {
+            let (content, fall) = (R::total(self.content), R::total(self.content_slope));
+            let content = content - law.excess * own_content;
+            let by_own = if own_content > 0.0 {
+                1.0 / own_content
+            } else {
+                0.0
+            };
+            (law.norm / volume * content, grad(content, fall) * by_own)
+        };
+        let scale = law.norm / (volume * own.reach * own.reach * rho);
+        let (div_v, curl_v, flow) = if T::GRADIENT {
+            let flow = self.shear.flow::<R>(axes, mass);
+            (-scale * (flow.m_div - g * div), flow.curl, flow)
+        } else {
+            let (mass_div, curl) = self.turning::<R>(g);
+            (-scale * (mass_div - g * div), scale * curl, Flow::default())
+        };
+        let fold = |v: Lanes<S, E>, from: f64, pick: fn(f64, f64) -> f64| {
+            (v.as_slice().iter()).fold(from, |x, lane| pick(x, lane.to_f64()))
+        };
+        Local {
+            rho,
+            y,
+            grad_h,
+            div_v,
+            curl_v,
+            v_sig: fold(self.v_sig, 0.0, f64::max),
+            near_span: fold(self.near_span, f64::INFINITY, f64::min),
+            flow,
+        }
+    }
+
+    /// The sum of the divergence with masses, and the modulus of that of the curl.
+    #[inline(always)]
+    fn turning<R: Machine<S, E>>(&self, g: f64) -> (f64, f64) {
         let [mass_x, mass_y, mass_z, mass_div] = R::totals([
             self.mass_curl[0],
             self.mass_curl[1],
@@ -130,28 +214,8 @@ impl<S: Simd, E: Real> Sums<S, E> {
             self.mass_div,
         ]);
         let [x, y, z, _] = R::totals([self.curl[0], self.curl[1], self.curl[2], self.div]);
-        let mass = mass - law.excess * m;
-        let g = if free {
-            (mass_slope - law.d * mass) / slope
-        } else {
-            0.0
-        };
-        let volume = reach * reach * if law.d > 2.5 { reach } else { 1.0 };
-        let rho = law.norm / volume * mass;
-        let scale = law.norm / (volume * reach * reach * rho);
         let curl = [mass_x - g * x, mass_y - g * y, mass_z - g * z];
-        let curl = (curl[0] * curl[0] + curl[1] * curl[1] + curl[2] * curl[2]).sqrt();
-        let fold = |v: Lanes<S, E>, from: f64, pick: fn(f64, f64) -> f64| {
-            (v.as_slice().iter()).fold(from, |x, lane| pick(x, lane.to_f64()))
-        };
-        Local {
-            rho,
-            g,
-            div_v: -scale * (mass_div - g * div),
-            curl_v: scale * curl,
-            v_sig: fold(self.v_sig, 0.0, f64::max),
-            near_span: fold(self.near_span, f64::INFINITY, f64::min),
-            gradient: Gradient::default(),
-        }
+        let square = curl[0] * curl[0] + curl[1] * curl[1] + curl[2] * curl[2];
+        (mass_div, square.sqrt())
     }
 }

@@ -3,6 +3,7 @@
 use nbody::points::Domain;
 
 use super::*;
+use crate::Kernel;
 use crate::kernel::unit_sphere;
 use crate::samples::{hydro, lattice, noisy, still};
 
@@ -53,7 +54,19 @@ fn check_against_direct_sums<K: Kernel>(hydro: &Hydro) {
         };
         let n = sum(reach, &|_, w| w) * d as f64;
         let g = slope(&counted) / n / (1.0 + slope(&|_, w| w) / n);
-        assert!((derived.grad_h[i] * p.m[i] - g).abs() < 1e-8 * p.m[i]);
+        // y of the formulation, and g by the particle's own content likewise.
+        let content = |j: usize| match hydro.formulation {
+            Formulation::Density => p.m[j],
+            Formulation::Pressure => p.m[j] * hydro.eos.pressure(1.0, gas.rates.u_pred[j]),
+        };
+        let brought = |j: usize, w: f64| counted(j, w) / p.m[j] * content(j);
+        let y = match hydro.formulation {
+            Formulation::Density => derived.rho[i],
+            Formulation::Pressure => derived.p[i],
+        };
+        assert!((y / sum(reach, &brought) - 1.0).abs() < 1e-13);
+        let g_y = slope(&brought) / n / (1.0 + slope(&|_, w| w) / n);
+        assert!((derived.grad_h[i] * content(i) - g_y).abs() < 1e-8 * y / rho * p.m[i]);
         let gradient = |j: usize, r: Vec3| {
             let r_norm = r.norm().max(1e-300);
             (p.m[j] - g) * K::dw(r_norm, reach, d) / r_norm * r / rho
@@ -85,6 +98,11 @@ fn sums_equal_those_over_all_pairs() {
         check_against_direct_sums::<WendlandC2>(&hydro);
         hydro.kernel = KernelKind::CubicSpline;
         hydro.neighbours *= 0.8;
+        check_against_direct_sums::<CubicSpline>(&hydro);
+        hydro.formulation = Formulation::Pressure;
+        check_against_direct_sums::<CubicSpline>(&hydro);
+        let disk = crate::Eos::of_disk(0.1, 1.0, 1.0, 0.25, 1.4);
+        hydro.eos = disk;
         check_against_direct_sums::<CubicSpline>(&hydro);
     }
 }

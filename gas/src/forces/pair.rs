@@ -2,25 +2,50 @@
 //!
 //! Every term keeps its value, or changes its sign alone, when the members of the pair change places.
 
+use std::marker::PhantomData;
+
 use fearless_simd::{Simd, SimdBase, SimdFloat};
 
-use crate::Kernel;
+use crate::conduction::Contrast;
+use crate::formulation::Content;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
+use crate::{Hydro, Kernel};
 
 /// Quads of a row: coordinates on the grid and mass; velocity and g; H, push, density, sound speed; alpha, age and steps.
 pub const QUADS: usize = 4;
 
+/// The terms that a sweep has.
+pub trait Terms: Send + Sync + 'static {
+    type Kernel: Kernel;
+    type Content: Content;
+    /// Whether heat is conducted.
+    const CONDUCTS: bool;
+}
+
+/// Terms by type.
+pub struct All<K, C, const CONDUCTS: bool>(PhantomData<(K, C)>);
+
+impl<K: Kernel, C: Content, const CONDUCTS: bool> Terms for All<K, C, CONDUCTS> {
+    type Kernel = K;
+    type Content = C;
+    const CONDUCTS: bool = CONDUCTS;
+}
+
 /// What a particle brings into a pair, a value for each lane; in units of the sweep.
 pub struct Member<S: Simd, E: Real> {
     pub m: Lanes<S, E>,
+    /// What it brings into the sums of its neighbours, and g in units of that.
+    pub content: Lanes<S, E>,
     pub g: Lanes<S, E>,
     pub reach: Lanes<S, E>,
     /// 1 / H.
     pub inverse: Lanes<S, E>,
     /// H^-(d+2).
     pub slope: Lanes<S, E>,
-    /// P / rho^2 times the factor of the kernel's slope, norm / H^(d+2).
+    /// content P / y^2 times the factor of the kernel's slope, norm / H^(d+2).
     pub push: Lanes<S, E>,
+    /// Zero where nothing is conducted.
+    pub p: Lanes<S, E>,
     pub rho: Lanes<S, E>,
     pub cs: Lanes<S, E>,
     pub alpha: Lanes<S, E>,
@@ -33,19 +58,33 @@ pub struct Member<S: Simd, E: Real> {
 impl<S: Simd, E: Real> Member<S, E> {
     /// From the columns of some rows.
     #[inline(always)]
-    pub fn new<R: Machine<S, E>>(simd: S, columns: [[Lanes<S, E>; 4]; QUADS], three: bool) -> Self {
+    pub fn new<T: Terms, R: Machine<S, E>>(
+        simd: S,
+        columns: [[Lanes<S, E>; 4]; QUADS],
+        flux: &Flux,
+    ) -> Self {
         let [[.., m], [.., g], [reach, push, rho, cs], last] = columns;
         let [alpha, age, span, next_span] = last;
         let inverse = R::reciprocal(simd, reach);
         let square = inverse * inverse;
         let fourth = square * square;
+        let slope = if flux.three { fourth * inverse } else { fourth };
+        let content = T::Content::of::<S, E>(simd, m, cs, flux.square_pressure);
+        let p = if T::CONDUCTS {
+            let scale = slope * same::<S, E>(simd, flux.norm);
+            T::Content::pressure::<S, E, R>(simd, push, scale, rho)
+        } else {
+            same::<S, E>(simd, 0.0)
+        };
         Self {
             m,
+            content,
             g,
             reach,
             inverse,
-            slope: if three { fourth * inverse } else { fourth },
-            push,
+            slope,
+            push: content * push,
+            p,
             rho,
             cs,
             alpha,
@@ -57,14 +96,14 @@ impl<S: Simd, E: Real> Member<S, E> {
 
     /// The same particle in all lanes.
     #[inline(always)]
-    pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], three: bool) -> Self {
+    pub fn alone<T: Terms, R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], flux: &Flux) -> Self {
         let mut columns = [[same::<S, E>(simd, 0.0); 4]; QUADS];
         for (columns, quad) in columns.iter_mut().zip(row) {
             for (column, &value) in columns.iter_mut().zip(&quad.0) {
                 *column = Lanes::<S, E>::splat(simd, value);
             }
         }
-        Self::new::<R>(simd, columns, three)
+        Self::new::<T, R>(simd, columns, flux)
     }
 }
 
@@ -108,20 +147,37 @@ fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S,
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
-/// Pressure and viscosity of a pair.
+/// Pressure, viscosity and conduction of a pair.
 pub struct Flux {
+    pub three: bool,
     /// The factor of the kernel's slope.
     pub norm: f64,
+    /// P / rho by the square of the sound speed.
+    pub square_pressure: f64,
     /// beta by alpha.
-    pub beta_ratio: f64,
+    beta_ratio: f64,
     /// h / H.
-    pub h_by_reach: f64,
+    h_by_reach: f64,
+    /// alpha_u times u by the square of the sound speed.
+    conduction: f64,
 }
 
 impl Flux {
+    pub fn new<T: Terms>(hydro: &Hydro) -> Self {
+        let d = hydro.dimensions();
+        Self {
+            three: d == 3,
+            norm: T::Kernel::norm(d),
+            square_pressure: hydro.eos.pressure_by_square(),
+            beta_ratio: hydro.viscosity.ratio(),
+            h_by_reach: 1.0 / hydro.support(),
+            conduction: hydro.conduction.alpha * hydro.eos.energy_by_square(),
+        }
+    }
+
     /// The force of a pair on its member `a` by the separation, and the heat that stays with `a`, a time.
     #[inline(always)]
-    pub fn between<K: Kernel, S: Simd, E: Real, R: Machine<S, E>>(
+    pub fn between<T: Terms, S: Simd, E: Real, R: Machine<S, E>>(
         &self,
         simd: S,
         a: &Member<S, E>,
@@ -132,10 +188,10 @@ impl Flux {
         let (zero, half, one) = (constant(0.0), constant(0.5), constant(1.0));
         let r2 = pair.r2.max(constant(E::TINY));
         let r = r2 * R::inverse_root(simd, r2);
-        let slope_a = K::slope((r * a.inverse).min(one));
-        let slope_b = K::slope((r * b.inverse).min(one));
-        let pressure_a = a.m * (b.m - a.g) * (a.push * slope_a);
-        let pressure_b = b.m * (a.m - b.g) * (b.push * slope_b);
+        let slope_a = T::Kernel::slope((r * a.inverse).min(one));
+        let slope_b = T::Kernel::slope((r * b.inverse).min(one));
+        let pressure_a = a.push * (b.content - a.g) * slope_a;
+        let pressure_b = b.push * (a.content - b.g) * slope_b;
         let h = (a.reach + b.reach) * constant(0.5 * self.h_by_reach);
         let rho = (a.rho + b.rho) * half;
         let spread = (h * h).mul_add(constant(0.01), pair.r2);
@@ -146,9 +202,20 @@ impl Flux {
         let speed = (a.cs + b.cs) * half;
         let strength = alpha * mu * (mu * constant(self.beta_ratio) - speed);
         let slope = (a.slope * slope_a + b.slope * slope_b) * constant(0.5 * self.norm);
-        let viscous = (a.m * b.m) * slope * (strength * (spread * inverse));
+        let volume = spread * inverse;
+        let grip = (a.m * b.m) * slope;
+        let viscous = grip * (strength * volume);
         let pull = (pressure_a + pressure_b) + viscous;
-        let heat = viscous.mul_add(half, pressure_a) * pair.approach;
+        let mut heat = viscous.mul_add(half, pressure_a) * pair.approach;
+        if T::CONDUCTS {
+            let contrast = Contrast {
+                cs2: (a.cs - b.cs) * (a.cs + b.cs),
+                p: a.p - b.p,
+                volume,
+            };
+            let flux = contrast.flux::<R>(simd, self.conduction);
+            heat = (grip * r).mul_add(flux, heat);
+        }
         [pull, heat]
     }
 }

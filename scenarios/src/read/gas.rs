@@ -1,4 +1,4 @@
-//! The gas of a scene: disk, blocks, equation of state, hydrodynamics, viscosity.
+//! The gas of a scene: disk, blocks, equation of state, hydrodynamics, viscosity, conduction.
 
 use nbody::points::Vec3;
 
@@ -28,6 +28,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
     if disk.is_none() && blocks.is_empty() && !facts.has_file && !section.has("disk") {
         section.wrong("", "needs [gas.disk], [[gas.block]] or an initial.file");
     }
+    let conduction = conduction(&section, &eos);
     let gas = Gas {
         particles: disk_particles(&section, "gas.disk", disk.is_some() || section.has("disk")),
         softening: softening(&section, Softening::SmoothingLength),
@@ -37,18 +38,8 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         cooling: cooling(&section),
         hydro: hydro(&section, facts),
         viscosity: viscosity(&section),
+        conduction,
     };
-    let conduction = section.section("conduction");
-    if conduction
-        .number("alpha", Range::NOT_NEGATIVE)
-        .is_some_and(|alpha| alpha > 0.0)
-    {
-        conduction.wrong(
-            "alpha",
-            "conduction is not available in this version; allowed is 0",
-        );
-    }
-    conduction.close();
     section.close();
     Some(gas)
 }
@@ -329,8 +320,11 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         text: "from 1e-12 to 0.1",
     };
     let section = gas.section("hydro");
-    let formulations = [("density", Formulation::Density)];
-    let formulation = section.choice("formulation", &formulations, &["pressure"]);
+    let formulations = [
+        ("density", Formulation::Density),
+        ("pressure", Formulation::Pressure),
+    ];
+    let formulation = section.choice("formulation", &formulations, &[]);
     let kernels = [
         ("wendland-c2", Kernel::WendlandC2),
         ("cubic-spline", Kernel::CubicSpline),
@@ -388,4 +382,21 @@ fn viscosity(gas: &Section<'_>) -> Viscosity {
         2 => Viscosity::Balsara { alpha, beta },
         _ => Viscosity::CullenDehnen { alpha, beta },
     }
+}
+
+fn conduction(gas: &Section<'_>, eos: &Eos) -> f64 {
+    const ALPHA: Range = Range {
+        test: |alpha| (0.0..=2.0).contains(&alpha),
+        text: "from 0 to 2; more would carry heat past the colder particle in one step",
+    };
+    let section = gas.section("conduction");
+    let alpha = section.number("alpha", ALPHA).unwrap_or(0.0);
+    if alpha > 0.0 && !matches!(eos, Eos::Ideal { .. }) {
+        section.wrong(
+            "alpha",
+            "has no effect on gas whose temperature gas.eos sets; allowed there is 0",
+        );
+    }
+    section.close();
+    alpha
 }

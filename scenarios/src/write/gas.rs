@@ -42,6 +42,8 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
         Viscosity::Balsara { alpha, beta } => viscosity("balsara", alpha, beta),
         Viscosity::CullenDehnen { alpha, beta } => viscosity("cullen-dehnen", alpha, beta),
     }
+    text.table("gas.conduction");
+    text.number("alpha", gas.conduction);
 }
 
 fn write_eos(text: &mut Text, eos: &Eos) {
@@ -117,6 +119,7 @@ fn write_hydro(text: &mut Text, hydro: &Hydro) {
     text.table("gas.hydro");
     match hydro.formulation {
         Formulation::Density => text.text("formulation", "density"),
+        Formulation::Pressure => text.text("formulation", "pressure"),
     }
     text.text(
         "kernel",

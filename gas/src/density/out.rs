@@ -1,0 +1,153 @@
+//! What a density sweep writes, in code units: h, densities, pressure, viscosity, and how the gas flows.
+
+use nbody::points::Clock;
+use nbody::points::sum::Parts;
+
+use super::sums::{Local, Terms};
+use crate::formulation::Content;
+use crate::units::Units;
+use crate::viscosity::Flow;
+use crate::viscosity::cullen_dehnen::Compression;
+use crate::{Derived, Hydro};
+
+/// The columns that the sweep writes.
+struct Columns<'a> {
+    h: Parts<'a, f64>,
+    alpha: Parts<'a, f64>,
+    rho: Parts<'a, f64>,
+    p: Parts<'a, f64>,
+    /// Empty where pressure follows from density and energy.
+    p_ratio: Parts<'a, f64>,
+    grad_h: Parts<'a, f64>,
+    div_v: Parts<'a, f64>,
+    /// Empty without the switch that needs it.
+    trace_v: Parts<'a, f64>,
+    curl_v: Parts<'a, f64>,
+    v_sig: Parts<'a, f64>,
+    near_span: Parts<'a, u32>,
+}
+
+/// The state that the sweep solves for or remembers.
+pub struct State<'a> {
+    pub h: &'a mut [f64],
+    pub alpha: &'a mut [f64],
+    pub trace_v: &'a mut [f64],
+}
+
+/// Where results go, and what they follow from beside the sums.
+pub struct Out<'a> {
+    hydro: &'a Hydro,
+    columns: Columns<'a>,
+    cs: &'a [f64],
+    u: &'a [f64],
+    begin: &'a [u32],
+    tick: u32,
+    /// Length of a tick.
+    unit: f64,
+    /// Code units a unit of length, velocity and density, and h by H in units.
+    length: f64,
+    velocity: f64,
+    density: f64,
+    h_by_reach: f64,
+}
+
+impl<'a> Out<'a> {
+    pub fn new(
+        (hydro, clock, units): (&'a Hydro, &Clock, &Units),
+        state: State<'a>,
+        derived: &'a mut Derived,
+        u: &'a [f64],
+        begin: &'a [u32],
+    ) -> Self {
+        Self {
+            hydro,
+            columns: Columns {
+                h: Parts::new(state.h),
+                alpha: Parts::new(state.alpha),
+                rho: Parts::new(&mut derived.rho),
+                p: Parts::new(&mut derived.p),
+                p_ratio: Parts::new(&mut derived.p_ratio),
+                grad_h: Parts::new(&mut derived.grad_h),
+                div_v: Parts::new(&mut derived.div_v),
+                trace_v: Parts::new(state.trace_v),
+                curl_v: Parts::new(&mut derived.curl_v),
+                v_sig: Parts::new(&mut derived.v_sig),
+                near_span: Parts::new(&mut derived.near_span),
+            },
+            cs: &derived.cs,
+            u,
+            begin,
+            tick: clock.tick,
+            unit: clock.unit(),
+            length: units.length,
+            velocity: units.velocity,
+            density: units.mass / units.length.powi(hydro.dimensions() as i32),
+            h_by_reach: units.length / hydro.support(),
+        }
+    }
+
+    /// Smoothing lengths.
+    #[inline(always)]
+    pub fn h(&self) -> &Parts<'a, f64> {
+        &self.columns.h
+    }
+
+    /// Writes what the sums say of particle i, whose support is `reach`.
+    #[inline(always)]
+    pub fn write<T: Terms>(&self, i: usize, local: &Local, reach: f64) {
+        let rate = self.velocity / self.length;
+        let rho = local.rho * self.density;
+        let flow = Flow {
+            div_v: local.div_v * rate,
+            curl_v: local.curl_v * rate,
+            cs: self.cs[i],
+            h: reach * self.h_by_reach,
+        };
+        let alpha = self.alpha(i, local, flow, reach);
+        let p = self.hydro.eos.pressure(rho, self.u[i]);
+        let (own, out) = (i..i + 1, &self.columns);
+        // SAFETY: a branch's task alone touches the branch's particles.
+        unsafe {
+            out.h.part(own.clone())[0] = flow.h;
+            out.alpha.part(own.clone())[0] = alpha;
+            out.rho.part(own.clone())[0] = rho;
+            if T::Content::IS_MASS {
+                out.p.part(own.clone())[0] = p;
+            } else {
+                let sum = local.y * (self.density * self.velocity * self.velocity);
+                out.p.part(own.clone())[0] = sum;
+                out.p_ratio.part(own.clone())[0] = if p > 0.0 { sum / p } else { 1.0 };
+            }
+            out.grad_h.part(own.clone())[0] = local.grad_h;
+            out.div_v.part(own.clone())[0] = flow.div_v;
+            out.curl_v.part(own.clone())[0] = flow.curl_v;
+            out.v_sig.part(own.clone())[0] = local.v_sig * self.velocity;
+            // Infinite without neighbours: the cast saturates.
+            out.near_span.part(own)[0] = local.near_span as u32;
+        }
+    }
+
+    /// The viscosity parameter at the end of the step that has passed.
+    #[inline(always)]
+    fn alpha(&self, i: usize, local: &Local, flow: Flow, reach: f64) -> f64 {
+        let (own, out) = (i..i + 1, &self.columns);
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let present = unsafe { out.alpha.part(own.clone()) }[0];
+        self.hydro.viscosity.alpha(flow, present, || {
+            let rate = self.velocity / self.length;
+            // SAFETY: as above.
+            let trace = &mut unsafe { out.trace_v.part(own) }[0];
+            let div_v = local.flow.trace.unwrap_or(local.div_v) * rate;
+            Compression {
+                div_v,
+                before: std::mem::replace(trace, div_v),
+                dt: f64::from(self.tick - self.begin[i]) * self.unit,
+                shear2: local.flow.shear2 * rate * rate,
+                order: local.flow.order,
+                // Without the part of both sound speeds that a time step needs.
+                v_sig: 0.5 * local.v_sig * self.velocity,
+                reach: reach * self.length,
+            }
+        })
+    }
+}

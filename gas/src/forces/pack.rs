@@ -1,0 +1,121 @@
+//! What particles bring into pairs, packed from their columns, and where they stand on the clock.
+
+use nbody::points::sum::Parts;
+use nbody::points::{Clock, Tree, Vec3};
+use rayon::prelude::*;
+
+use super::NEVER;
+use super::pair::{Flux, QUADS};
+use crate::lanes::{Quad, Real};
+use crate::units::Units;
+use crate::{Derived, Hydro, Particles};
+
+/// Where particles stand on the clock: ticks since the present step began, its planned span, and the next one's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pace {
+    age: u32,
+    span: u32,
+    pub next_span: u32,
+}
+
+impl Pace {
+    /// Of a leaf whose particles differ.
+    pub const MIXED: Self = Self {
+        age: NEVER,
+        span: 0,
+        next_span: 0,
+    };
+
+    /// What closes and what opens the steps of pairs at this pace, in ticks.
+    pub fn weights(&self) -> [f64; 2] {
+        let half = 0.5 * f64::from(self.span);
+        [f64::from(self.age) - half, 0.5 * f64::from(self.next_span)]
+    }
+}
+
+/// The columns from which particles are packed.
+pub struct Pack<'a> {
+    pub units: Units,
+    pub clock: &'a Clock,
+    pub particles: &'a Particles,
+    pub derived: &'a Derived,
+    pub v: &'a [Vec3],
+    pub next_span: &'a [u32],
+    pub hydro: &'a Hydro,
+    pub flux: &'a Flux,
+}
+
+impl Pack<'_> {
+    fn pace(&self, i: usize) -> Pace {
+        Pace {
+            age: self.clock.tick - self.particles.begin[i],
+            span: self.particles.span[i],
+            next_span: self.next_span[i],
+        }
+    }
+
+    /// The paces of some leaves. Steps that end too early count as mixed: their weights are no powers of two.
+    pub fn paces(&self, tree: &Tree, leaves: &[u32], paces: &mut Vec<Pace>) {
+        paces.resize(tree.nodes.len(), Pace::MIXED);
+        let paces = Parts::new(paces);
+        leaves.par_iter().with_min_len(64).for_each(|&leaf| {
+            let leaf = leaf as usize;
+            let mut range = tree.nodes[leaf].range();
+            let first = self.pace(range.start);
+            let same = first.age == first.span && range.all(|i| self.pace(i) == first);
+            // SAFETY: each leaf is listed once.
+            unsafe { paces.part(leaf..leaf + 1)[0] = if same { first } else { Pace::MIXED } };
+        });
+    }
+
+    /// Reach and row of particle i, which stands at `d` from the middle of its leaf, where steps are doubled `coarser` times.
+    #[inline(always)]
+    pub fn source<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; QUADS]) {
+        let (p, derived, units) = (self.particles, self.derived, &self.units);
+        let (real, power) = (E::from_f64, self.hydro.dimensions() as i32);
+        let (m, cs) = (p.m[i] / units.mass, derived.cs[i] / units.velocity);
+        let reach = self.hydro.support() * p.h[i] / units.length;
+        let rho = derived.rho[i] * (units.length.powi(power) / units.mass);
+        let specific = derived.p[i] / (derived.rho[i] * units.velocity * units.velocity);
+        let formulation = self.hydro.formulation;
+        let push = self.flux.norm / reach.powi(power + 2) * formulation.push(specific, rho);
+        let content = formulation.content(m, self.flux.square_pressure * cs * cs);
+        let x = (d * 0.5f64.powi(coarser)).component_div(&units.step);
+        let x = x.map(E::place);
+        let v = self.v[i].map(|v| E::place(v / units.velocity_step));
+        let active = self.clock.synchronous() || p.end[i] == self.clock.tick;
+        let ticks = |n: u32| real(f64::from(n));
+        (
+            if active { reach } else { -reach },
+            [
+                Quad([x.x, x.y, x.z, real(m)]),
+                Quad([v.x, v.y, v.z, real(derived.grad_h[i] * content)]),
+                Quad([reach, push, rho, cs].map(real)),
+                Quad([
+                    real(p.alpha[i]),
+                    ticks(self.clock.tick - p.begin[i]),
+                    ticks(p.span[i]),
+                    ticks(self.next_span[i]),
+                ]),
+            ],
+        )
+    }
+}
+
+/// A row of what is beyond any kernel and has no mass.
+pub fn nobody<E: Real>() -> [Quad<E>; QUADS] {
+    // Beyond what the coordinates of the candidates span: the difference is a whole number still.
+    let far = E::place(if E::STEPS.is_finite() {
+        2.5 * E::STEPS
+    } else {
+        1e30
+    });
+    let (zero, one) = (E::from_f64(0.0), E::from_f64(1.0));
+    let never = E::from_f64(f64::INFINITY);
+    [
+        Quad([far, far, far, zero]),
+        Quad([zero; 4]),
+        Quad([one, zero, one, zero]),
+        Quad([zero, zero, zero, never]),
+    ]
+}
