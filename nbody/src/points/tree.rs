@@ -325,6 +325,35 @@ mod tests {
     }
 
     #[test]
+    fn values_and_boxes_of_many_particles_are_those_of_a_plain_pass() {
+        let (mut x, tree) = sorted_tree(points(3 * FEW as u32 + 17), 16);
+        x.iter_mut()
+            .for_each(|x| *x = Vec3::new(x.y, -x.z, 2.0 * x.x));
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let mut tree = tree.clone();
+            let mut ends = Vec::new();
+            let leaf = |node: &Node| [node.first, node.end];
+            pool.build().expect("a thread pool").install(|| {
+                tree.refit(&x);
+                tree.accumulate(&mut ends, &leaf, &|a, b| [a[0], b[1]]);
+            });
+            (tree.nodes, ends)
+        };
+        for threads in [1, 2, 7] {
+            let (nodes, ends) = with(threads);
+            for (node, end) in nodes.iter().zip(ends) {
+                assert_eq!(end, [node.first, node.end]);
+                let own = &x[node.range()];
+                let (lo, hi) = own[1..]
+                    .iter()
+                    .fold((own[0], own[0]), |(lo, hi), x| (lo.inf(x), hi.sup(x)));
+                assert_eq!((node.lo, node.hi), (lo, hi));
+            }
+        }
+    }
+
+    #[test]
     fn near_finds_every_neighbour_of_a_periodic_box_once() {
         let (x, tree) = sorted_tree(points(2000), 8);
         let domain = Domain::periodic(Vec3::repeat(1.0));

@@ -154,18 +154,21 @@ impl Group {
 }
 
 impl Field for Group {
-    fn pull(&self, i: usize, x: &[Vec3], v: &[Vec3]) -> [Vec3; 2] {
+    type Common = ();
+
+    fn common(&self, _: &[Vec3], _: &[Vec3]) {}
+
+    fn centre(&self, _: usize) -> [f64; 2] {
+        [self.mu, 0.0]
+    }
+
+    fn pull(&self, i: usize, x: &[Vec3], v: &[Vec3], (): &()) -> [Vec3; 2] {
         let newton = |d: &Vec3, w: &Vec3, q2: f64| {
             let inverse = 1.0 / q2;
             let cube = inverse * inverse.sqrt();
             [d * cube, (w - d * (3.0 * inverse * d.dot(w))) * cube]
         };
-        let q2 = x[i].norm_squared();
-        let mut sum = if q2 != 0.0 {
-            newton(&x[i], &v[i], q2).map(|part| part * -self.mu)
-        } else {
-            [Vec3::zeros(); 2]
-        };
+        let mut sum = [Vec3::zeros(); 2];
         let a = &self.bodies[i];
         for (j, b) in self.bodies.iter().enumerate() {
             let d = x[j] - x[i];
@@ -213,7 +216,7 @@ mod tests {
         let at = |t: f64| -> Vec<Vec3> { group.bodies.iter().map(|b| b.x + b.v * t).collect() };
         let v: Vec<Vec3> = group.bodies.iter().map(|b| b.v).collect();
         for i in 0..3 {
-            let pull = |t: f64| Field::pull(&group, i, &at(t), &v);
+            let pull = |t: f64| Field::pull(&group, i, &at(t), &v, &());
             let numerical = (pull(1e-5)[0] - pull(-1e-5)[0]) / 2e-5;
             let jerk = pull(0.0)[1];
             assert!((numerical - jerk).norm() < 1e-8 * jerk.norm());
