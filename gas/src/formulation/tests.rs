@@ -116,6 +116,28 @@ fn gas_without_pressure_beside_gas_that_has_some_is_no_fault() {
 }
 
 #[test]
+fn between_its_ticks_gas_keeps_the_pressure_of_its_sum() {
+    let hydro = all(Domain::periodic(Vec3::repeat(1.0)), Precision::Double);
+    let mut clock = Clock::standing(0.0);
+    let mut gas = noisy(&hydro.domain, 8, 1.0);
+    gas.density(&hydro, &clock, Vec3::zeros())
+        .expect("a density");
+    let p = gas.derived.p.clone();
+    // Nobody's step ends at this tick.
+    clock.tick = 64;
+    gas.particles.end.fill(128);
+    let active = gas.density(&hydro, &clock, Vec3::zeros());
+    assert_eq!(active, Ok(0));
+    let apart = |i: usize| {
+        gas.derived.p[i] / hydro.eos.pressure(gas.derived.rho[i], gas.rates.u_pred[i]) - 1.0
+    };
+    assert!((0..gas.len()).any(|i| apart(i).abs() > 0.1));
+    for i in 0..gas.len() {
+        assert!((gas.derived.p[i] / p[i] - 1.0).abs() < 1e-14);
+    }
+}
+
+#[test]
 fn one_particle_is_at_rest() {
     for domain in [Domain::open(), Domain::periodic(Vec3::repeat(1.0))] {
         for precision in [Precision::Double, Precision::Single] {
