@@ -96,6 +96,10 @@ fn sums_equal_those_over_all_pairs() {
         }
         let mut hydro = hydro(domain);
         check_against_direct_sums::<WendlandC2>(&hydro);
+        check_against_direct_sums::<WendlandC2>(&Hydro {
+            formulation: Formulation::Pressure,
+            ..hydro
+        });
         hydro.kernel = KernelKind::CubicSpline;
         hydro.neighbours *= 0.8;
         check_against_direct_sums::<CubicSpline>(&hydro);
