@@ -68,9 +68,10 @@ impl Probe {
     }
 }
 
-/// Square of the isothermal sound speed of gas particle j.
+/// Square of the isothermal sound speed of gas particle j, by its own temperature whatever sum its pressure is.
 pub fn isothermal(gas: &Gas, j: usize) -> f64 {
-    gas.derived.p[j] / gas.derived.rho[j]
+    let ratio = gas.derived.p_ratio.get(j).copied().unwrap_or(1.0);
+    gas.derived.p[j] / (gas.derived.rho[j] * ratio)
 }
 
 #[cfg(test)]

@@ -96,6 +96,10 @@ fn sums_equal_those_over_all_pairs() {
         }
         let mut hydro = hydro(domain);
         check_against_direct_sums::<WendlandC2>(&hydro);
+        check_against_direct_sums::<WendlandC2>(&Hydro {
+            formulation: Formulation::Pressure,
+            ..hydro
+        });
         hydro.kernel = KernelKind::CubicSpline;
         hydro.neighbours *= 0.8;
         check_against_direct_sums::<CubicSpline>(&hydro);
@@ -126,12 +130,24 @@ fn a_lattice_has_its_density() {
 
 #[test]
 fn stretched_gas_diverges_and_turning_gas_curls() {
-    let hydro = hydro(Domain::open());
+    let (alpha, beta) = (1.0, 2.0);
+    for viscosity in [
+        Viscosity::Constant { alpha, beta },
+        Viscosity::CullenDehnen { alpha, beta },
+    ] {
+        check_linear_flow(&Hydro {
+            viscosity,
+            ..hydro(Domain::open())
+        });
+    }
+}
+
+fn check_linear_flow(hydro: &Hydro) {
     let mut particles = still(lattice([11; 3], 1.0), 1.0, 1.0);
     for (v, x) in particles.v.iter_mut().zip(&particles.x) {
         *v = 0.3 * x + Vec3::new(0.1, -0.2, 0.4).cross(x);
     }
-    let gas = settled(Gas::new(particles), &hydro);
+    let gas = settled(Gas::new(particles), hydro);
     let middle = (0..gas.len())
         .find(|&i| gas.particles.x[i] == Vec3::repeat(5.5))
         .expect("a particle in the middle");
@@ -139,6 +155,33 @@ fn stretched_gas_diverges_and_turning_gas_curls() {
     assert!((gas.derived.div_v[middle] - 0.9).abs() < 1e-10);
     let curl = 2.0 * Vec3::new(0.1, -0.2, 0.4).norm();
     assert!((gas.derived.curl_v[middle] - curl).abs() < 1e-10);
+    if let Some(trace) = gas.particles.trace_v.get(middle) {
+        assert!((trace - 0.9).abs() < 1e-10);
+    }
+}
+
+#[test]
+fn the_velocity_gradient_changes_no_other_sum() {
+    for axes in [[true; 3], [true, true, false]] {
+        let domain = Domain::periodic(Vec3::repeat(1.0)).with_axes(axes);
+        let without = hydro(domain);
+        let with = Hydro {
+            viscosity: Viscosity::CullenDehnen {
+                alpha: 1.0,
+                beta: 2.0,
+            },
+            ..without
+        };
+        let gas = noisy(&domain, 12, 0.5);
+        let (without, with) = (settled(gas.clone(), &without), settled(gas, &with));
+        assert_eq!(with.particles.h, without.particles.h);
+        assert_eq!(with.derived.rho, without.derived.rho);
+        assert_eq!(with.derived.grad_h, without.derived.grad_h);
+        for i in 0..with.len() {
+            let [a, b] = [&with, &without].map(|gas| gas.derived.div_v[i]);
+            assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{a} {b}");
+        }
+    }
 }
 
 #[test]

@@ -212,14 +212,14 @@ fn a_contact_is_no_wall_where_pressure_is_summed() {
         both
     };
     // Masses as the densities: the sum of pressure is that of a lattice without any contact.
-    for (contrast, blip) in [(4.0, 0.8), (64.0, 3.3)] {
+    for (contrast, blip) in [(4.0, 1.4), (64.0, 50.0)] {
         let [density, pressure] = both(1, contrast);
         assert!(density[0] > blip && density[1] > 0.6);
         assert!(pressure[0] < 1e-12 && pressure[1] < 0.0073, "{pressure:?}");
     }
     // Equal masses: what is left is the noise of few and coarse neighbours.
     let [density, pressure] = both(2, 4.0);
-    assert!(pressure[0] < 0.2 * density[0] && pressure[1] < 0.15 * density[1]);
+    assert!(pressure[0] < 0.15 * density[0] && pressure[1] < 0.15 * density[1]);
     let [density, pressure] = both(8, 64.0);
     assert!(pressure[1] < 0.25 * density[1]);
 }

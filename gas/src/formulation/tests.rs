@@ -2,6 +2,7 @@
 
 use nbody::points::{Clock, Columns, Domain, Vec3};
 
+use crate::probe::isothermal;
 use crate::samples::{hydro, lattice, noise, noisy, still};
 use crate::{Conduction, Formulation, Gas, Hydro, Precision, Viscosity, alone};
 
@@ -68,7 +69,7 @@ fn streams_meet_at_mach_1000() {
         }
         let error = run(&mut Gas::new(particles), &hydro, 0.2);
         println!("energy {error:e}");
-        assert!(error.abs() < 0.02, "energy {error:e}");
+        assert!(error.abs() < 3e-3, "energy {error:e}");
     }
 }
 
@@ -79,7 +80,7 @@ fn a_drop_flies_apart_into_the_vacuum() {
         let mut gas = Gas::new(still(lattice([8; 3], 1.0), 1.0, 1.0));
         let error = run(&mut gas, &hydro, 30.0);
         println!("energy {error:e}");
-        assert!(error.abs() < 0.02, "energy {error:e}");
+        assert!(error.abs() < 7.5e-3, "energy {error:e}");
         let internal = gas.totals().internal / energy(&gas);
         assert!(internal < 0.1, "{internal}");
     }
@@ -112,6 +113,35 @@ fn gas_without_pressure_beside_gas_that_has_some_is_no_fault() {
                 .filter(far)
                 .all(|i| gas.rates.hydro[i] == Vec3::zeros())
         );
+    }
+}
+
+#[test]
+fn between_its_ticks_gas_keeps_the_pressure_of_its_sum() {
+    let hydro = all(Domain::periodic(Vec3::repeat(1.0)), Precision::Double);
+    let mut gas = noisy(&hydro.domain, 8, 1.0);
+    gas.density(&hydro, &Clock::standing(0.0), Vec3::zeros())
+        .expect("a density");
+    let p = gas.derived.p.clone();
+    // Nobody's step ends at this tick.
+    let clock = Clock {
+        start: 0.0,
+        end: 1.0,
+        tick: 64,
+        step: 1,
+    };
+    gas.particles.end.fill(128);
+    let active = gas.density(&hydro, &clock, Vec3::zeros());
+    assert_eq!(active, Ok(0));
+    let apart = |i: usize| {
+        gas.derived.p[i] / hydro.eos.pressure(gas.derived.rho[i], gas.rates.u_pred[i]) - 1.0
+    };
+    assert!((0..gas.len()).any(|i| apart(i).abs() > 0.1));
+    for i in 0..gas.len() {
+        assert!((gas.derived.p[i] / p[i] - 1.0).abs() < 1e-14);
+        // Grains see the gas's own temperature.
+        let square = hydro.eos.pressure(1.0, gas.rates.u_pred[i]);
+        assert!((isothermal(&gas, i) / square - 1.0).abs() < 1e-14);
     }
 }
 
