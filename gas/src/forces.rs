@@ -116,6 +116,7 @@ impl Gas {
             extent: [&self.extent, &self.active_extent],
             paces: &self.paces,
             three: d == 3,
+            limiter: hydro.limiter,
             level,
             flux: Flux {
                 norm: K::norm(d),
@@ -265,6 +266,8 @@ struct Sweep<'a, E> {
     /// The pace of each leaf, by node.
     paces: &'a [Pace],
     three: bool,
+    /// How many times longer than a neighbour's a step may be.
+    limiter: u32,
     flux: Flux,
     level: Level,
     out: Out<'a>,
@@ -482,8 +485,8 @@ impl<E: Element> Sweep<'_, E> {
         let closing = by_mass * self.clock.unit();
         let opening = by_mass * self.next.unit();
         let span = self.next_span[i];
-        let wake = if total.near < f64::from(span / 4) {
-            self.next.waking(4 * total.near as u32)
+        let wake = if total.near < f64::from(span / self.limiter) {
+            self.next.waking(self.limiter * total.near as u32)
         } else {
             NEVER
         };

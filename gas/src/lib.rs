@@ -21,7 +21,7 @@ pub mod viscosity;
 mod workspace;
 
 pub use eos::Eos;
-pub use hydro::Hydro;
+pub use hydro::{Hydro, UNLIMITED};
 pub use kernel::{CubicSpline, Kernel, KernelKind, WendlandC2};
 pub use particles::{Derived, Gas, Particles, Rates};
 pub use timestep::Heat;
