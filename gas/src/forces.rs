@@ -124,7 +124,13 @@ impl Gas {
             paces: &self.paces,
             level,
             flux,
-            out: Out::new(rates, &mut self.wake, m, &units, [clock, next]),
+            out: Out::new(
+                rates,
+                (&mut self.wake, hydro.limiter),
+                m,
+                &units,
+                [clock, next],
+            ),
         };
         let targets = sweep.run::<T>(near_branches);
         *E::packed(&mut self.packed) = packed;

@@ -5,6 +5,9 @@ use nbody::points::{Boundary, Domain};
 use crate::kernel::unit_sphere;
 use crate::{Conduction, Eos, Formulation, KernelKind, Precision, Viscosity};
 
+/// The limiter of gas whose steps heed no neighbour: to show what that costs.
+pub const UNLIMITED: u32 = u32::MAX;
+
 /// What the gas of a scene is and how it is solved; constant over a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hydro {
@@ -26,6 +29,8 @@ pub struct Hydro {
     pub courant: f64,
     /// C in dt <= C sqrt(h / |acceleration|).
     pub force_factor: f64,
+    /// How many times longer than its neighbour's a step may be, a power of two; [`UNLIMITED`] leaves neighbours to their own criteria.
+    pub limiter: u32,
     /// Internal energy below which gas does not cool by expansion.
     pub least_u: f64,
 }
@@ -49,6 +54,7 @@ impl Hydro {
             conduction: Conduction::NONE,
             courant: 0.25,
             force_factor: 0.25,
+            limiter: 4,
             least_u: 0.0,
         }
     }

@@ -7,6 +7,9 @@
 //! A particle moves on a straight line from kick to kick, and whoever is kicked has been seen: the bounds hold to the last bit, since
 //! rounding keeps order. What a tick costs then follows the particles that it looks at.
 
+use std::ops::Range;
+
+use nbody::points::sort::BITS;
 use nbody::points::sum::Parts;
 use nbody::points::tree::Node;
 use nbody::points::{Clock, Domain, Vec3};
@@ -31,6 +34,8 @@ pub(crate) struct Leaf {
     h: f64,
     /// Largest divergence of the velocity, if positive.
     swelling: f64,
+    /// The size that the leaf has when it is sorted.
+    fresh: f64,
 }
 
 impl Leaf {
@@ -44,6 +49,7 @@ impl Leaf {
             fast: -lowest,
             h: 0.0,
             swelling: 0.0,
+            fresh: 0.0,
         };
         for i in node.range() {
             let v = domain.in_plane(gas.v[i]);
@@ -70,6 +76,13 @@ impl Leaf {
     pub fn span(&self, clock: &Clock) -> (Vec3, Vec3) {
         let dt = self.elapsed(clock);
         (self.lo + dt * self.slow, self.hi + dt * self.fast)
+    }
+
+    /// What the leaf's particles cost more than when they were sorted, at supports of `reach`, in particles that meet their neighbours.
+    pub fn waste(&self, node: &Node, reach: f64, dimensions: usize) -> f64 {
+        let now = (node.hi - node.lo).norm() + 2.0 * reach;
+        let growth = now / (self.fresh + 2.0 * reach);
+        node.count() as f64 * (growth.powi(dimensions as i32) - 1.0).max(0.0)
     }
 
     /// A bound of the smoothing lengths now.
@@ -169,12 +182,18 @@ impl Gas {
         self.leaves.resize(self.tree.nodes.len(), Leaf::default());
         let (columns, seen) = (columns(&self.particles, &self.derived), self.now);
         // Of a domain of two dimensions these bounds are wide along the third axis until the first tick.
+        let side = self.cube.map_or(f64::INFINITY, |cube| cube.side);
+        let cell = |range: Range<usize>| match &self.curve.keys[range] {
+            [first, .., last] => side * diagonal(first ^ last),
+            _ => 0.0,
+        };
         let (nodes, leaves) = (&self.tree.nodes, Parts::new(&mut self.leaves));
         (self.tree.leaves.par_iter())
             .with_min_len(FEW)
             .for_each(|&at| {
                 let at = at as usize;
-                let leaf = Leaf::of(&columns, &Domain::open(), &nodes[at], seen);
+                let mut leaf = Leaf::of(&columns, &Domain::open(), &nodes[at], seen);
+                leaf.fresh = (leaf.hi - leaf.lo).norm().min(cell(nodes[at].range()));
                 // SAFETY: each leaf is listed once.
                 unsafe { leaves.part(at..at + 1)[0] = leaf };
             });
@@ -187,9 +206,11 @@ impl Gas {
         let near = self.vicinity.near.par_iter().with_min_len(FEW);
         near.for_each(|&at| {
             let at = at as usize;
-            let leaf = Leaf::of(&columns, domain, &nodes[at], clock.tick);
             // SAFETY: each leaf is listed once.
-            unsafe { leaves.part(at..at + 1)[0] = leaf };
+            let leaf = &mut unsafe { leaves.part(at..at + 1) }[0];
+            let fresh = leaf.fresh;
+            *leaf = Leaf::of(&columns, domain, &nodes[at], clock.tick);
+            leaf.fresh = fresh;
         });
     }
 
@@ -251,6 +272,12 @@ impl Gas {
         self.nearby = near;
         places
     }
+}
+
+/// Diagonal of the smallest cell that holds keys which differ in no bits above those of `differ`, in sides of the curve's cube.
+fn diagonal(differ: u64) -> f64 {
+    let doublings = (64 - differ.leading_zeros()).div_ceil(3);
+    3f64.sqrt() * f64::from(doublings).exp2() / f64::from(1u32 << BITS)
 }
 
 fn columns<'a>(particles: &'a Particles, derived: &'a Derived) -> Columns<'a> {

@@ -25,7 +25,7 @@ mod workspace;
 pub use conduction::Conduction;
 pub use eos::Eos;
 pub use formulation::Formulation;
-pub use hydro::Hydro;
+pub use hydro::{Hydro, UNLIMITED};
 pub use kernel::{CubicSpline, Kernel, KernelKind, WendlandC2};
 pub use particles::{Derived, Gas, Particles, Rates};
 pub use timestep::Heat;

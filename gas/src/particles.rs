@@ -128,14 +128,16 @@ pub struct Gas {
     pub(crate) packed: Both,
     /// The instructions that sweeps use, if not the machine's best.
     pub(crate) level: Option<Level>,
-    /// Size of the leaves altogether when the gas was sorted.
-    leaf_size: f64,
-    curve: Curve,
+    /// What growth of the active leaves has cost since the gas was sorted, in particles that meet their neighbours.
+    pub(crate) waste: f64,
+    pub(crate) curve: Curve,
+    /// The cube that the curve was counted in.
+    pub(crate) cube: Option<Cube>,
     scratch: Scratch,
 }
 
-/// How much the leaves may grow together before the gas is sorted anew.
-const GROWTH: f64 = 1.25;
+/// What sorting costs, a particle: this many particles that meet their neighbours.
+const SORT: f64 = 0.1;
 
 impl Gas {
     /// Gas at rest on the clock, predicted where it is.
@@ -176,25 +178,26 @@ impl Gas {
 
     /// Brings all columns into the order of the Morton curve and builds the tree anew.
     pub fn sort(&mut self) {
-        self.curve
-            .thread(&self.particles.x, Cube::around(&self.particles.x));
+        let cube = Cube::around(&self.particles.x);
+        self.curve.thread(&self.particles.x, cube);
+        self.cube = Some(cube);
+        self.waste = 0.0;
         self.particles.permute(&self.curve.order, &mut self.scratch);
         self.derived.permute(&self.curve.order, &mut self.scratch);
         self.rates.permute(&self.curve.order, &mut self.scratch);
         self.tree.build(&self.particles.x, &self.curve.keys, LEAF);
-        self.leaf_size = self.size_of_leaves();
         self.bound();
     }
 
     /// Brings the tree to the tick of `clock`: its boxes hold what has moved there and what may have. At the ends of base steps, and when the
-    /// leaves have grown too much, that means to move everything, to bring positions back into the box and to sort anew.
+    /// growth of leaves has cost as much as sorting, that means to move everything, to bring positions back into the box and to sort anew.
     pub fn refit(&mut self, domain: &Domain, clock: &Clock) {
         for &leaf in &self.tree.leaves {
             let node = &mut self.tree.nodes[leaf as usize];
             (node.lo, node.hi) = self.leaves[leaf as usize].span(clock);
         }
         self.tree.enclose();
-        if clock.synchronous() || self.size_of_leaves() > GROWTH * self.leaf_size {
+        if clock.synchronous() || self.waste > SORT * self.len() as f64 {
             self.arrive(domain, clock);
             self.particles
                 .x
@@ -203,12 +206,6 @@ impl Gas {
                 .for_each(|x| domain.wrap(x));
             self.sort();
         }
-    }
-
-    fn size_of_leaves(&self) -> f64 {
-        let nodes = &self.tree.nodes;
-        let size = |&leaf: &u32| (nodes[leaf as usize].hi - nodes[leaf as usize].lo).norm();
-        self.tree.leaves.iter().map(size).sum()
     }
 
     /// Removes the particles whose flag is false, of gas that has arrived, and builds the tree anew; the others keep their order.

@@ -113,7 +113,7 @@ impl Gas {
         let limiter = if near == u32::MAX {
             f64::INFINITY
         } else {
-            4.0 * f64::from(near) * clock.unit()
+            f64::from(hydro.limiter) * f64::from(near) * clock.unit()
         };
         courant.min(force).min(limiter).min(pacing.limit(x))
     }

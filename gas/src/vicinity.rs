@@ -109,10 +109,18 @@ impl Gas {
             vicinity.all(&self.tree);
         } else {
             self.find(&mut vicinity, hydro, clock);
+            let reach = &vicinity.reach;
+            let waste = |&leaf: &u32| self.wasted(leaf as usize, reach[leaf as usize], hydro);
+            let waste: f64 = vicinity.leaves.iter().map(waste).sum();
+            self.waste += waste;
         }
         vicinity.branch_out(&self.tree);
         self.arrive_in(&vicinity.near, &hydro.domain, clock);
         self.vicinity = vicinity;
+    }
+
+    fn wasted(&self, leaf: usize, reach: f64, hydro: &Hydro) -> f64 {
+        self.leaves[leaf].waste(&self.tree.nodes[leaf], reach, hydro.dimensions())
     }
 
     /// Takes all gas as near.

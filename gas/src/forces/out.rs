@@ -29,6 +29,8 @@ pub struct Out<'a> {
     next: &'a Clock,
     /// Time of a tick: of the steps that end, and of those that begin.
     ticks: [f64; 2],
+    /// How many times longer than a neighbour's a step may be.
+    limiter: u32,
     /// Code units of a force, and of a velocity.
     force: f64,
     velocity: f64,
@@ -37,7 +39,7 @@ pub struct Out<'a> {
 impl<'a> Out<'a> {
     pub fn new(
         rates: &'a mut Rates,
-        wake: &'a mut [u32],
+        (wake, limiter): (&'a mut [u32], u32),
         m: &'a [f64],
         units: &Units,
         clocks: [&'a Clock; 2],
@@ -57,6 +59,7 @@ impl<'a> Out<'a> {
             next_span: &rates.next_span,
             next,
             ticks: [clock.unit(), next.unit()],
+            limiter,
             force: units.mass * units.velocity * units.velocity / units.length,
             velocity: units.velocity,
         }
@@ -82,8 +85,8 @@ impl<'a> Out<'a> {
         let closing = by_mass * self.ticks[0];
         let opening = by_mass * self.ticks[1];
         let span = self.next_span[i];
-        let wake = if total.near < f64::from(span / 4) {
-            self.next.waking(4 * total.near as u32)
+        let wake = if total.near < f64::from(span / self.limiter) {
+            self.next.waking(self.limiter * total.near as u32)
         } else {
             NEVER
         };

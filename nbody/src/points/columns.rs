@@ -3,7 +3,10 @@
 //! A set lists its columns once, by the `columns!` macro; snapshot, checkpoint, sorting, removal, append and the finite check
 //! walk that list.
 
+use rayon::prelude::*;
+
 use super::Vec3;
+use super::sum::CHUNK;
 
 /// Exponents of length, mass, time and temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -297,9 +300,10 @@ pub fn append<C: Columns>(set: &mut C, other: &C) {
     }
 }
 
-fn gather<T: Copy>(values: &mut Vec<T>, order: &[u32], scratch: &mut Vec<T>) {
-    scratch.clear();
-    scratch.extend(order.iter().map(|&i| values[i as usize]));
+fn gather<T: Copy + Send + Sync>(values: &mut Vec<T>, order: &[u32], scratch: &mut Vec<T>) {
+    let sorted = order.par_iter().with_min_len(CHUNK);
+    let sorted = sorted.map(|&i| values[i as usize]);
+    sorted.collect_into_vec(scratch);
     std::mem::swap(values, scratch);
 }
 

@@ -1,0 +1,229 @@
+//! Individual time steps: what they save in a gas disk whose orbital times span a factor of 1000, at equal error.
+//!
+//! The same disk is run three times over one base step: with individual steps, with one step for all as short as the shortest of those, and
+//! with individual steps a quarter as long. Errors are rms differences from the last, over rings of equal ratio that hold 50 particles at
+//! least: of the mass within each ring's edge relative to the ring's, and of mean velocities relative to the sound speed.
+
+use std::path::Path;
+
+use coupling::System;
+use nbody::points::{Columns, Vec3};
+
+use super::{Bar, Row};
+use crate::assemble::{self, Assembly};
+use crate::scene::Scene;
+use crate::stopwatch::Stopwatch;
+
+const PARTICLES: usize = 20_000;
+/// Part of the scene that the error is compared in.
+const RINGS: usize = 12;
+const INNER: f64 = 0.1;
+const OUTER: f64 = 10.0;
+const ASPECT: f64 = 0.05;
+
+const SCENE: &str = r#"
+title = "Disk from 0.1 to 10 au"
+[run]
+end_time = "0.13 yr"
+snapshots = "none"
+[star]
+mass = "1 Msun"
+accretion_radius = "0.05 au"
+[gas.disk]
+mass = "0.001 Msun"
+slope = -1.0
+inner_radius = "0.1 au"
+outer_radius = "10 au"
+[gas.eos]
+kind = "locally-isothermal"
+aspect_ratio = 0.05
+reference_radius = "1 au"
+exponent = 0.5
+[gas.hydro]
+kernel = "cubic-spline"
+neighbours = 58
+precision = "single"
+[gas.viscosity]
+kind = "cullen-dehnen"
+alpha = 1.0
+beta = 2.0
+[gravity]
+pulls = { gas = [] }
+"#;
+
+/// A run that has ended.
+struct Run {
+    system: System,
+    cpu_s: f64,
+    /// Particles that were active, added up over all ticks, and ticks.
+    updates: u64,
+    ticks: u64,
+}
+
+/// Runs the disk with `overrides` to its end.
+fn run(overrides: &[String]) -> Result<Run, String> {
+    let particles = format!("gas.particles={PARTICLES}");
+    let mut all = vec![particles];
+    all.extend_from_slice(overrides);
+    let scene = Scene::parse(SCENE, "individual-steps", Path::new("."), &all);
+    let scene = scene.map_err(|refusal| format!("{refusal:?}"))?;
+    let start = assemble::start(&scene).map_err(|refusal| refusal.0)?;
+    let Assembly {
+        mut system,
+        mut splitting,
+        ..
+    } = assemble::assembly(&scene, start);
+    let (until, longest) = (scene.run.end_time, system.longest);
+    let mut watch = Stopwatch::new(Default::default(), 0.0);
+    loop {
+        let last = system.clock.synchronous() && system.clock.time() >= until;
+        let next = if last { 2.0 * until } else { until };
+        (splitting.close(&mut system, next, longest, &mut watch))
+            .map_err(|fault| fault.to_string())?;
+        if last {
+            break;
+        }
+        splitting
+            .open(&mut system, &mut watch)
+            .map_err(|fault| fault.to_string())?;
+        splitting
+            .cross(&mut system, &mut watch)
+            .map_err(|fault| fault.to_string())?;
+    }
+    watch.stop();
+    let density = watch.laps[coupling::Phase::Density as usize];
+    Ok(Run {
+        system,
+        cpu_s: watch.cpu_s(),
+        updates: density.targets,
+        ticks: density.calls,
+    })
+}
+
+/// Mass inside of each ring's outer edge, and mass and momenta (radial, along the orbit) of each ring.
+struct Profile {
+    inside: [f64; RINGS],
+    mass: [f64; RINGS],
+    number: [usize; RINGS],
+    radial: [f64; RINGS],
+    orbital: [f64; RINGS],
+}
+
+fn radius(ring: f64) -> f64 {
+    INNER * (OUTER / INNER).powf(ring / RINGS as f64)
+}
+
+fn profile(system: &System) -> Profile {
+    let mut profile = Profile {
+        inside: [0.0; RINGS],
+        mass: [0.0; RINGS],
+        number: [0; RINGS],
+        radial: [0.0; RINGS],
+        orbital: [0.0; RINGS],
+    };
+    let gas = &system.gas.particles;
+    for i in 0..gas.len() {
+        let (x, v) = (gas.x[i] - system.star.x[0], gas.v[i] - system.star.v[0]);
+        let r = x.xy().norm();
+        let out = Vec3::new(x.x, x.y, 0.0) / r;
+        for ring in 0..RINGS {
+            if r < radius(ring as f64 + 1.0) {
+                profile.inside[ring] += gas.m[i];
+                if r >= radius(ring as f64) {
+                    profile.number[ring] += 1;
+                    profile.mass[ring] += gas.m[i];
+                    profile.radial[ring] += gas.m[i] * v.dot(&out);
+                    profile.orbital[ring] += gas.m[i] * Vec3::z().cross(&out).dot(&v);
+                }
+            }
+        }
+    }
+    profile
+}
+
+/// Rms differences over the rings: of masses, and of mean velocities.
+fn difference(a: &System, b: &System) -> [f64; 2] {
+    let (a, b) = (profile(a), profile(b));
+    let (mut sum, mut rings) = ([0.0; 2], 0.0);
+    for k in (0..RINGS).filter(|&k| b.number[k] >= 50) {
+        let sound = ASPECT / radius(k as f64 + 0.5).sqrt();
+        let velocity = |of: fn(&Profile) -> &[f64; RINGS]| {
+            (of(&a)[k] / a.mass[k] - of(&b)[k] / b.mass[k]) / sound
+        };
+        let mass = (a.inside[k] - b.inside[k]) / b.mass[k];
+        sum[0] += mass * mass;
+        sum[1] += velocity(|p| &p.radial).powi(2) + velocity(|p| &p.orbital).powi(2);
+        rings += 1.0;
+    }
+    sum.map(|sum| (sum / rings).sqrt())
+}
+
+/// What is compared, or the refusal of what should have run.
+pub fn rows() -> Vec<Row> {
+    measured().unwrap_or_else(|refusal| {
+        vec![Row {
+            what: refusal,
+            measured: f64::NAN,
+            uncertainty: 0.0,
+            bar: Bar::Limit([0.0, 0.0]),
+        }]
+    })
+}
+
+fn measured() -> Result<Vec<Row>, String> {
+    let individual = run(&[])?;
+    let step = individual.system.longest.min(individual.system.clock.end) / individual.ticks as f64;
+    let global = run(&[format!("run.time_step={step}")])?;
+    let fine = run(&[
+        "accuracy.orbit_step=0.025".to_owned(),
+        "accuracy.acceleration_step=0.0625".to_owned(),
+        "gas.hydro.courant=0.0625".to_owned(),
+    ])?;
+    let own = difference(&individual.system, &fine.system);
+    let common = difference(&global.system, &fine.system);
+    let row = |what: &str, measured: f64, bar: Bar| Row {
+        what: what.to_owned(),
+        measured,
+        uncertainty: 0.0,
+        bar,
+    };
+    let mut rows = vec![
+        row(
+            "updates of all gas at each tick, by updates made",
+            global.updates as f64 / individual.updates as f64,
+            Bar::None,
+        ),
+        row("CPU time, one step for all (s)", global.cpu_s, Bar::None),
+        row(
+            "CPU time, individual steps (s)",
+            individual.cpu_s,
+            Bar::None,
+        ),
+        row(
+            "CPU time of individual steps by that of one step",
+            individual.cpu_s / global.cpu_s,
+            Bar::Limit([0.0625, 0.125]),
+        ),
+    ];
+    for (k, what) in ["masses of rings", "velocities of rings"]
+        .into_iter()
+        .enumerate()
+    {
+        rows.push(row(
+            &format!("error of {what}, one step for all"),
+            common[k],
+            Bar::None,
+        ));
+        rows.push(row(
+            &format!("error of {what}, individual steps"),
+            own[k],
+            Bar::None,
+        ));
+        rows.push(row(
+            &format!("error of {what}, individual by one step"),
+            own[k] / common[k],
+            Bar::Limit([1.1, 1.5]),
+        ));
+    }
+    Ok(rows)
+}
