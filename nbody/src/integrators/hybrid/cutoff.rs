@@ -5,7 +5,8 @@
 //! of that maximum: the map keeps its energy while cut-offs stay what they are. A pair's cut-off is the larger of two. Touching bodies
 //! are always within the inner radius.
 //! Measured (`examples/encounters.rs`, 100 steps a year, one thread, CPU s a year and end |dE/E|): disc N = 100, 100 yr: 0.008 and 2e-9;
-//! N = 300: 0.07 and 2e-9; N = 1000, 10 yr: 0.58 and 8e-9; annulus N = 1e4, 1.1 yr: 2.5 and 3e-9. Crossings 0 to 3 differ by less than noise.
+//! N = 300: 0.05 and 9e-10; N = 1000: 0.44 and 2e-9; annulus N = 1e4, 1.1 yr: 1.9 and 1.7e-9, by 200 steps 3.3 and 4e-10; N = 1e5, 0.1 yr: 29 and
+//! 7e-11. Crossings 0 to 3 differ by less than noise.
 //! 2 Hill radii: annulus 5e-10, but after a deep encounter at 105 steps an orbit places are 12 times worse.
 //! Source: Ishigaki, Kominami, Makino, Fujimoto & Iwasawa (2021), section 2.2, for individual radii.
 
