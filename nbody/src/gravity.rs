@@ -4,6 +4,8 @@
 //! Groups of up to 64 targets share one walk and one list of nodes and particles (Barnes 1990), which vectorised kernels sum in f32
 //! relative to the group, or in f64 if the wanted error is tight. A node is taken whole where the estimated error of its
 //! acceleration is below a fixed part of the acceleration of the group, so the error asked for is nearly the error obtained.
+//! Nodes end with their quadrupoles. Octupoles, with twice the operations a node, would take these parts of the time of the sums at the same
+//! rms error (1e5 particles): annulus 1.3 at 1e-4, 1.2 at 1e-5, 1.1 at 1e-6, 1 at 1e-7; Plummer sphere 1 at 1e-4, 0.7 at 1e-5, 0.6 at 1e-6.
 
 use fearless_simd::Level;
 use rayon::prelude::*;

@@ -25,7 +25,7 @@ impl Motion for Encounters {
     }
 }
 
-/// On each other by the Hermite integrator of fourth order with individual steps, forces by direct sum.
+/// On each other by the Hermite integrator with individual steps, of sixth order for the star's pull and fourth for the others', by direct sum.
 pub struct Blocks {
     hermite: Hermite,
     masses: Masses,

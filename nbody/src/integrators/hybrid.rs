@@ -12,6 +12,7 @@ mod clusters;
 pub mod cutoff;
 mod group;
 mod hard;
+mod map;
 mod neighbours;
 mod radau;
 pub mod soft;
@@ -31,9 +32,11 @@ use crate::points::sum::{self, CHUNK};
 use crate::points::{Columns, Vec3};
 use changeover::soft_part;
 use clusters::Clusters;
-use cutoff::{Centre, Cutoff};
+pub use cutoff::typical;
+use cutoff::{Centre, Cutoff, choose};
 use group::Member;
 use hard::Hard;
+pub use map::Map;
 use neighbours::{Neighbours, Swarm};
 
 /// Why a body cannot be moved.
@@ -310,40 +313,6 @@ impl Hybrid {
     }
 }
 
-/// Cut-offs, in place of the old ones or of zeros, of bodies about the place and velocity `about`.
-fn choose(
-    cutoff: &Cutoff,
-    centre: &Centre,
-    bodies: &Bodies,
-    about: (Vec3, Vec3),
-    cutoffs: &mut [f64],
-) {
-    let one = |(i, c): (usize, &mut f64)| {
-        let state = (bodies.x[i] - about.0, bodies.v[i] - about.1);
-        *c = cutoff.radius(centre, [bodies.m[i], bodies.radius[i], *c], state);
-    };
-    if cutoffs.len() <= CHUNK {
-        cutoffs.iter_mut().enumerate().for_each(one);
-    } else {
-        let all = cutoffs.par_iter_mut().enumerate();
-        all.with_min_len(CHUNK).for_each(one);
-    }
-}
-
-/// Twice the median of `cutoffs`: pairs within are to be exact in a field that is softened afterwards.
-pub fn typical(cutoffs: &[f64]) -> f64 {
-    let mut some: Vec<f64> = cutoffs
-        .iter()
-        .step_by(1 + cutoffs.len() / 1000)
-        .copied()
-        .collect();
-    if some.is_empty() {
-        return 0.0;
-    }
-    let middle = some.len() / 2;
-    2.0 * *some.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 /// Moves everybody but the members of clusters along their Kepler orbits. Members go along circles, which is simpler than to leave them
 /// out: their state is replaced afterwards.
 fn alone(mu: f64, dt: f64, bodies: &mut Bodies, members: &[u32]) -> Result<(), Stuck> {
@@ -370,40 +339,4 @@ fn alone(mu: f64, dt: f64, bodies: &mut Bodies, members: &[u32]) -> Result<(), S
     });
     let first = first.min_by_key(|&(place, _)| place);
     first.map_or(Ok(()), |first| Err(stuck(first)))
-}
-
-/// Star and bodies on each other alone: the whole step, with the soft field's accelerations kept in the bodies' `a`.
-pub struct Map {
-    pub hybrid: Hybrid,
-    pub soft: soft::Soft,
-    pub g: f64,
-    pub dt: f64,
-}
-
-impl Map {
-    /// The soft accelerations at the bodies' places: before the first step, and when bodies have changed.
-    pub fn prepare(&mut self, star: &Bodies, bodies: &mut Bodies) {
-        self.soft.field(&mut self.hybrid, star, bodies, false);
-    }
-
-    /// One step; afterwards `hybrid.touches` holds who touched.
-    pub fn step(&mut self, star: &mut Bodies, bodies: &mut Bodies) -> Result<(), Stuck> {
-        kick(bodies, 0.5 * self.dt);
-        self.hybrid.drift(star, bodies, self.g, self.dt)?;
-        self.prepare(star, bodies);
-        kick(bodies, 0.5 * self.dt);
-        Ok(())
-    }
-}
-
-fn kick(bodies: &mut Bodies, dt: f64) {
-    if bodies.v.len() <= CHUNK {
-        bodies
-            .v
-            .iter_mut()
-            .zip(&bodies.a)
-            .for_each(|(v, a)| *v += a * dt);
-    } else {
-        super::kick(&mut bodies.v, &bodies.a, dt);
-    }
 }

@@ -11,7 +11,8 @@ use std::sync::LazyLock;
 
 use fearless_simd::{Level, Select, Simd, SimdFloat, SimdMask, f64x4, f64x8};
 
-use super::{Refusal, SERIES, drift};
+use super::universal::SERIES;
+use super::{Refusal, drift};
 use crate::points::Vec3;
 
 /// Several f64 abreast.

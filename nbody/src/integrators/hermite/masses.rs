@@ -10,8 +10,8 @@ use crate::points::Vec3;
 #[derive(Clone, Debug, Default)]
 pub struct Masses {
     pub g: f64,
-    /// Mass and square of the softening length of the star in the middle; nothing without one.
-    star: [f64; 2],
+    /// Mass and square of the softening length of the star in the middle.
+    star: Option<[f64; 2]>,
     m: Vec<f64>,
     eps2: Vec<f64>,
     /// Places and velocities, from the star.
@@ -24,25 +24,22 @@ impl Field for Masses {
 
     fn common(&self, x: &[Vec3], v: &[Vec3]) -> [Vec3; 2] {
         let mut sum = [Vec3::zeros(); 2];
-        if self.star[0] > 0.0 {
-            (0..x.len()).for_each(|j| self.add_recoil(&mut sum, -self.g, j, x, v));
+        if let Some([_, eps2]) = self.star {
+            (0..x.len()).for_each(|j| self.add_recoil(&mut sum, -self.g, eps2, (j, x, v)));
         }
         sum
     }
 
     fn centre(&self, i: usize) -> [f64; 2] {
-        let [m, eps2] = self.star;
-        if m > 0.0 {
+        self.star.map_or([0.0; 2], |[m, eps2]| {
             [self.g * (m + self.m[i]), eps2 + self.eps2[i]]
-        } else {
-            [0.0; 2]
-        }
+        })
     }
 
     fn pull(&self, i: usize, x: &[Vec3], v: &[Vec3], common: &[Vec3; 2]) -> [Vec3; 2] {
         let mut sum = *common;
-        if self.star[0] > 0.0 {
-            self.add_recoil(&mut sum, self.g, i, x, v);
+        if let Some([_, eps2]) = self.star {
+            self.add_recoil(&mut sum, self.g, eps2, (i, x, v));
         }
         for j in (0..x.len()).filter(|&j| j != i) {
             let (d, w) = (x[j] - x[i], v[j] - v[i]);
@@ -74,22 +71,23 @@ impl Masses {
     pub fn new(g: f64, star: f64, m: &[f64]) -> Self {
         Self {
             g,
-            star: [star, 0.0],
+            star: (star > 0.0).then_some([star, 0.0]),
             m: m.to_vec(),
             eps2: vec![0.0; m.len()],
             ..Self::default()
         }
     }
 
-    /// Adds `g` times what body j does to the star.
+    /// Adds `g` times what body j does to a star of softening `eps2`.
     #[inline(always)]
-    fn add_recoil(&self, sum: &mut [Vec3; 2], g: f64, j: usize, x: &[Vec3], v: &[Vec3]) {
-        add(
-            sum,
-            g * self.m[j],
-            (x[j], v[j]),
-            self.star[1] + self.eps2[j],
-        );
+    fn add_recoil(
+        &self,
+        sum: &mut [Vec3; 2],
+        g: f64,
+        eps2: f64,
+        (j, x, v): (usize, &[Vec3], &[Vec3]),
+    ) {
+        add(sum, g * self.m[j], (x[j], v[j]), eps2 + self.eps2[j]);
     }
 
     /// Moves star and bodies on each other by `dt`. The place of a stall counts the star as the first.
@@ -101,11 +99,8 @@ impl Masses {
         dt: f64,
     ) -> Result<(), Stall> {
         let stars = star.x.len();
-        self.star = if stars > 0 {
-            [star.m[0], star.softening[0] * star.softening[0]]
-        } else {
-            [0.0; 2]
-        };
+        let own = star.m.iter().zip(&star.softening).next();
+        self.star = own.map(|(m, eps)| [*m, eps * eps]);
         self.m.clone_from(&bodies.m);
         self.eps2.clear();
         let softening = bodies.softening.iter();
@@ -145,10 +140,11 @@ impl Masses {
 
     /// Place and velocity of the centre of mass, from the star.
     fn lever(&self, state: &[Vec<Vec3>; 2]) -> [Vec3; 2] {
-        let total = self.star[0] + self.m.iter().sum::<f64>();
+        let total = self.star.map_or(0.0, |[m, _]| m) + self.m.iter().sum::<f64>();
+        let inverse = if total > 0.0 { 1.0 / total } else { 0.0 };
         let mean = |all: &Vec<Vec3>| {
             let parts = all.iter().zip(&self.m).map(|(value, m)| value * *m);
-            parts.sum::<Vec3>() / total
+            parts.sum::<Vec3>() * inverse
         };
         [mean(&state[0]), mean(&state[1])]
     }
