@@ -38,11 +38,13 @@ fn run(folder: &Path) -> Child {
         "run.snapshots=\"0.02 yr\"",
         "--set",
         "run.checkpoint=\"0.05 s\"",
-        // A switch that remembers, in the precision that rounds most.
+        // A switch that remembers, a pressure that does between steps, in the precision that rounds most.
         "--set",
         "gas.viscosity.kind=\"cullen-dehnen\"",
         "--set",
         "gas.hydro.precision=\"single\"",
+        "--set",
+        "gas.hydro.formulation=\"pressure\"",
         "--set",
         "gas.particles=3000",
         "--set",

@@ -137,7 +137,7 @@ fn a_sum_of_pressures_and_conduction_lower_the_wall_at_the_contact() {
         let energy = run.largest("error_energy");
         let ([rho, v], wall) = (errors(&gas), wall(&gas));
         println!("{keys:?}: L1 {rho:.5} {v:.5}, wall {wall:.4}, energy {energy:.1e}");
-        assert!(energy < 1e-4, "energy {energy:e}");
+        assert!(energy < 4e-5, "energy {energy:e}");
         (gas, [rho, v, wall])
     };
     let (_, plain) = of(String::new());
@@ -156,12 +156,13 @@ fn a_sum_of_pressures_and_conduction_lower_the_wall_at_the_contact() {
         assert!(rho < bars[0], "L1 of density {rho}");
         assert!(v < bars[1], "L1 of velocity {v}");
     }
-    assert!(conducting[2] < 0.5 * plain[2], "{conducting:?} {plain:?}");
-    assert!(both[2] < 0.5 * pressure[2], "{both:?} {pressure:?}");
+    assert!(pressure[2] < 0.85 * plain[2], "{pressure:?} {plain:?}");
+    assert!(conducting[2] < 0.1 * plain[2], "{conducting:?} {plain:?}");
+    assert!(both[2] < 0.1 * pressure[2], "{both:?} {pressure:?}");
     let rounding = (0..single.len())
         .map(|i| (single.more["Densities"][i] - summed.more["Densities"][i]).abs())
         .sum::<f64>()
         / single.len() as f64;
     println!("single precision moves the density by {rounding:.2e}");
-    assert!(rounding < 0.1 * pressure[0], "{rounding:e}");
+    assert!(rounding < 2e-5 * pressure[0], "{rounding:e}");
 }

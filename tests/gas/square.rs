@@ -94,8 +94,9 @@ fn a_square_in_pressure_equilibrium_stays_a_square_where_pressure_is_summed() {
     // Particles spaced alike: an undisturbed lattice to the tolerance of h. The noise is the lattice's own, the same everywhere.
     assert!(alike.speed < 5e-5 && alike.noise < 0.01, "{alike:?}");
     assert!((alike.shape - 1.0).abs() < 1e-3, "{alike:?}");
-    // Equal masses: the lattices do not fit at the contact. The reference's very good tolerance of the speed, the acceptable one of the noise.
-    assert!(equal.speed < 0.005 && equal.noise < 0.08, "{equal:?}");
+    // Equal masses: the lattices do not fit at the contact. The tolerances asked of a very good code are 0.005 and, for
+    // the noise, 0.02; of an acceptable one 0.03 and 0.08.
+    assert!(equal.speed < 0.004 && equal.noise < 0.06, "{equal:?}");
     assert!(equal.shape > 0.9, "{equal:?}");
     // Density SPH rounds the square off to three quarters.
     assert!(disk.shape < 0.8 && disk.noise > 0.1, "{disk:?}");

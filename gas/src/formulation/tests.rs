@@ -137,8 +137,8 @@ fn between_its_ticks_gas_keeps_the_pressure_of_its_sum() {
         gas.derived.p[i] / hydro.eos.pressure(gas.derived.rho[i], gas.rates.u_pred[i]) - 1.0
     };
     assert!((0..gas.len()).any(|i| apart(i).abs() > 0.1));
-    for i in 0..gas.len() {
-        assert!((gas.derived.p[i] / p[i] - 1.0).abs() < 1e-14);
+    for (i, p) in p.iter().enumerate() {
+        assert!((gas.derived.p[i] / p - 1.0).abs() < 1e-14);
         // Grains see the gas's own temperature.
         let square = hydro.eos.pressure(1.0, gas.rates.u_pred[i]);
         assert!((isothermal(&gas, i) / square - 1.0).abs() < 1e-14);
