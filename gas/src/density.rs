@@ -40,8 +40,7 @@ impl Gas {
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         self.look(hydro, clock);
-        self.thermal_state(hydro, centre);
-        let settled = self.density_of(hydro, clock, None)?;
+        let settled = self.density_near(hydro, clock, centre)?;
         if self.beyond.is_empty() {
             return Ok(settled);
         }
@@ -54,6 +53,17 @@ impl Gas {
         late.clear();
         self.beyond = late;
         found.map(|found| settled + found)
+    }
+
+    /// The density of the active particles as far as the vicinity goes.
+    pub(crate) fn density_near(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+        centre: Vec3,
+    ) -> Result<usize, Fault> {
+        self.thermal_state(hydro, centre);
+        self.density_of(hydro, clock, None)
     }
 
     /// The density of the active particles, or of those listed alone; leaves in `beyond` whose H is larger than the vicinity.
