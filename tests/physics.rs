@@ -10,6 +10,7 @@ mod dust {
     mod dusty_box;
 }
 mod gas {
+    mod allocation;
     mod sedov;
     mod shock_tube;
     mod square;

@@ -21,7 +21,7 @@ use crate::leaves::FEW;
 use crate::neighbours::Frame;
 use crate::units::Units;
 use crate::workspace::Element;
-use crate::{CubicSpline, Formulation, Gas, Hydro, KernelKind, Precision, Viscosity, WendlandC2};
+use crate::{CubicSpline, Formulation, Gas, Hydro, KernelKind, Precision, WendlandC2};
 
 mod law;
 mod out;
@@ -42,9 +42,7 @@ impl Gas {
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         self.look(hydro, clock);
-        let gradient = self.remember(hydro);
-        self.thermal_state(hydro, centre);
-        let settled = self.density_by(hydro, clock, gradient, None)?;
+        let settled = self.density_near(hydro, clock, centre)?;
         if self.beyond.is_empty() {
             return Ok(settled);
         }
@@ -53,10 +51,22 @@ impl Gas {
         self.thermal_state(hydro, centre);
         let mut late = std::mem::take(&mut self.beyond);
         late.sort_unstable();
-        let found = self.density_by(hydro, clock, gradient, Some(&late));
+        let found = self.density_by(hydro, clock, Some(&late));
         late.clear();
         self.beyond = late;
         found.map(|found| settled + found)
+    }
+
+    /// The density of the active particles as far as the vicinity goes.
+    pub(crate) fn density_near(
+        &mut self,
+        hydro: &Hydro,
+        clock: &Clock,
+        centre: Vec3,
+    ) -> Result<usize, Fault> {
+        self.remember(hydro);
+        self.thermal_state(hydro, centre);
+        self.density_by(hydro, clock, None)
     }
 
     /// The density of the active particles, or of those listed alone; leaves in `beyond` whose H is larger than the vicinity.
@@ -64,10 +74,9 @@ impl Gas {
         &mut self,
         hydro: &Hydro,
         clock: &Clock,
-        gradient: bool,
         listed: Option<&[u32]>,
     ) -> Result<usize, Fault> {
-        match (hydro.formulation, gradient) {
+        match (hydro.formulation, hydro.viscosity.wants_gradient()) {
             (Formulation::Density, false) => self.density_of::<Mass, false>(hydro, clock, listed),
             (Formulation::Density, true) => self.density_of::<Mass, true>(hydro, clock, listed),
             (Formulation::Pressure, false) => {
@@ -79,18 +88,16 @@ impl Gas {
         }
     }
 
-    /// Makes room in the columns that a formulation and a switch remember; says whether the velocity gradient is wanted.
-    fn remember(&mut self, hydro: &Hydro) -> bool {
+    /// Makes room in the columns that a formulation and a switch remember.
+    fn remember(&mut self, hydro: &Hydro) {
         let n = self.particles.m.len();
         match hydro.formulation {
             Formulation::Density => self.derived.p_ratio.clear(),
             Formulation::Pressure => self.derived.p_ratio.resize(n, 1.0),
         }
-        let gradient = matches!(hydro.viscosity, Viscosity::CullenDehnen { .. });
-        if gradient {
+        if hydro.viscosity.wants_gradient() {
             self.particles.trace_v.resize(n, 0.0);
         }
-        gradient
     }
 
     fn density_of<C: Content, const GRADIENT: bool>(

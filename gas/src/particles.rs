@@ -7,7 +7,7 @@
 
 use fearless_simd::Level;
 use nbody::columns;
-use nbody::points::sort::{Cube, Curve};
+use nbody::points::sort::{Cube, Curve, MANY};
 use nbody::points::sum::CHUNK;
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
 use rayon::prelude::*;
@@ -182,9 +182,18 @@ impl Gas {
         self.curve.thread(&self.particles.x, cube);
         self.cube = Some(cube);
         self.waste = 0.0;
-        self.particles.permute(&self.curve.order, &mut self.scratch);
-        self.derived.permute(&self.curve.order, &mut self.scratch);
-        self.rates.permute(&self.curve.order, &mut self.scratch);
+        let order = &self.curve.order;
+        let sets: [&mut dyn Columns; 3] = [&mut self.particles, &mut self.derived, &mut self.rates];
+        for set in sets {
+            if order.len() > MANY {
+                set.permute_sparingly(order);
+            } else {
+                set.permute(order, &mut self.scratch);
+            }
+        }
+        if order.len() > MANY {
+            self.curve.order = Vec::new();
+        }
         self.tree.build(&self.particles.x, &self.curve.keys, LEAF);
         self.bound();
     }

@@ -186,3 +186,6 @@ impl Gas {
         });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -57,6 +57,11 @@ impl Viscosity {
         }
     }
 
+    /// Whether it follows the linear-exact gradient of the velocity.
+    pub fn wants_gradient(&self) -> bool {
+        matches!(self, Self::CullenDehnen { .. })
+    }
+
     /// beta by alpha.
     pub fn ratio(&self) -> f64 {
         match *self {

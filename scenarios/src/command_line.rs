@@ -220,7 +220,8 @@ fn run_scene(arguments: RunArguments) -> Result<Outcome, Failure> {
         end_time: None,
         quiet: arguments.quiet,
     };
-    Ok(run::run(scene, &options)?)
+    // Inside the pool loops begin without waking another thread.
+    Ok(rayon::scope(|_| run::run(scene, &options))?)
 }
 
 fn resume(arguments: ResumeArguments) -> Result<Outcome, Failure> {
@@ -241,7 +242,7 @@ fn resume(arguments: ResumeArguments) -> Result<Outcome, Failure> {
     };
     use_threads(arguments.threads);
     signals::listen();
-    Ok(run::resume(&options.output, &options)?)
+    Ok(rayon::scope(|_| run::resume(&options.output, &options))?)
 }
 
 fn end_time(text: &str, scene: &Scene) -> Result<f64, Failure> {

@@ -96,8 +96,10 @@ fn a_blast_in_cold_gas_keeps_its_energy_and_its_shock_is_on_time() {
     let exact = (TIME * TIME / ALPHA).powf(0.2);
     let late = shock_radius(&gas) / exact - 1.0;
     println!("energy {error:.2e}, shock {late:+.3}, {account:?}");
-    assert!(error < 0.01, "energy {error:e}");
-    assert!(late.abs() < 0.05, "shock {late}");
+    // 1.8e-3.
+    assert!(error < 3.5e-3, "energy {error:e}");
+    // 4.7 %: what 32 particles a side make of a shock.
+    assert!(late.abs() < 0.07, "shock {late}");
     // Individual steps are at work.
     assert!(
         2 * account.updates < account.ticks * gas.len(),
@@ -109,5 +111,6 @@ fn a_blast_in_cold_gas_keeps_its_energy_and_its_shock_is_on_time() {
 fn without_the_limiter_cold_gas_sleeps_through_the_blast() {
     let (_, error, account) = exploded(UNLIMITED);
     println!("energy {error:.2e}, {account:?}");
-    assert!(error > 0.1, "energy {error:e}, {account:?}");
+    // 117 %.
+    assert!(error > 0.6, "energy {error:e}, {account:?}");
 }

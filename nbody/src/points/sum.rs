@@ -3,12 +3,10 @@
 use std::marker::PhantomData;
 use std::ops::{Add, Range};
 
-use rayon::prelude::*;
-
 /// Particles a task of a parallel loop.
 pub const CHUNK: usize = 2048;
 
-/// Sum of `part` over fixed chunks of 0..n, combined in the order of the chunks.
+/// Sum of `part` over fixed chunks of 0..n, combined in a fixed order.
 ///
 /// `part` returns the sum over its range. The same bits come out for any number of threads.
 pub fn ordered<T: Add<Output = T> + Send>(
@@ -27,15 +25,27 @@ pub fn ordered_by<T: Add<Output = T> + Send>(
     part: impl Fn(Range<usize>) -> T + Sync,
 ) -> T {
     let chunks = n.div_ceil(chunk);
-    let range = |c: usize| c * chunk..((c + 1) * chunk).min(n);
-    if chunks < 2 {
-        return if n == 0 { zero } else { zero + part(0..n) };
+    if chunks == 0 {
+        return zero;
     }
-    let parts: Vec<T> = (0..chunks)
-        .into_par_iter()
-        .map(|c| part(range(c)))
-        .collect();
-    parts.into_iter().fold(zero, |sum, x| sum + x)
+    let of_chunk = |c: usize| part(c * chunk..((c + 1) * chunk).min(n));
+    zero + halves(0..chunks, &of_chunk)
+}
+
+/// Sum over chunks, as the sum of the sums of both halves: without a buffer, and in a fixed order.
+fn halves<T: Add<Output = T> + Send>(
+    chunks: Range<usize>,
+    of_chunk: &(impl Fn(usize) -> T + Sync),
+) -> T {
+    if chunks.len() == 1 {
+        return of_chunk(chunks.start);
+    }
+    let middle = chunks.start + chunks.len() / 2;
+    let (a, b) = rayon::join(
+        || halves(chunks.start..middle, of_chunk),
+        || halves(middle..chunks.end, of_chunk),
+    );
+    a + b
 }
 
 /// A slice that tasks write to in parallel, each in ranges of its own.
