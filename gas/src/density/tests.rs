@@ -4,6 +4,7 @@ use nbody::points::Domain;
 
 use super::*;
 use crate::Kernel;
+use crate::Viscosity;
 use crate::kernel::unit_sphere;
 use crate::samples::{hydro, lattice, noisy, still};
 
