@@ -36,36 +36,25 @@ impl Gas {
     /// Forces of the pairs that have an active member: rates of the active particles, and the impulses that close the steps ending now and
     /// open those beginning now, in which `next` is the clock. Returns the number of particles that had such a pair.
     pub fn forces(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
-        match (hydro.formulation, hydro.conducts()) {
-            (Formulation::Density, false) => self.forces_of::<Mass, false>(hydro, clock, next),
-            (Formulation::Density, true) => self.forces_of::<Mass, true>(hydro, clock, next),
-            (Formulation::Pressure, false) => {
-                self.forces_of::<PressureVolume, false>(hydro, clock, next)
-            }
-            (Formulation::Pressure, true) => {
-                self.forces_of::<PressureVolume, true>(hydro, clock, next)
-            }
+        match hydro.formulation {
+            Formulation::Density => self.forces_of::<Mass>(hydro, clock, next),
+            Formulation::Pressure => self.forces_of::<PressureVolume>(hydro, clock, next),
         }
     }
 
-    fn forces_of<C: Content, const CONDUCTS: bool>(
-        &mut self,
-        hydro: &Hydro,
-        clock: &Clock,
-        next: &Clock,
-    ) -> usize {
+    fn forces_of<C: Content>(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
         match (hydro.kernel, hydro.precision) {
             (KernelKind::CubicSpline, Precision::Single) => {
-                self.forces_with::<All<CubicSpline, C, CONDUCTS>, f32>(hydro, clock, next)
+                self.forces_with::<All<CubicSpline, C>, f32>(hydro, clock, next)
             }
             (KernelKind::CubicSpline, Precision::Double) => {
-                self.forces_with::<All<CubicSpline, C, CONDUCTS>, f64>(hydro, clock, next)
+                self.forces_with::<All<CubicSpline, C>, f64>(hydro, clock, next)
             }
             (KernelKind::WendlandC2, Precision::Single) => {
-                self.forces_with::<All<WendlandC2, C, CONDUCTS>, f32>(hydro, clock, next)
+                self.forces_with::<All<WendlandC2, C>, f32>(hydro, clock, next)
             }
             (KernelKind::WendlandC2, Precision::Double) => {
-                self.forces_with::<All<WendlandC2, C, CONDUCTS>, f64>(hydro, clock, next)
+                self.forces_with::<All<WendlandC2, C>, f64>(hydro, clock, next)
             }
         }
     }

@@ -18,17 +18,14 @@ pub const QUADS: usize = 4;
 pub trait Terms: Send + Sync + 'static {
     type Kernel: Kernel;
     type Content: Content;
-    /// Whether heat is conducted.
-    const CONDUCTS: bool;
 }
 
 /// Terms by type.
-pub struct All<K, C, const CONDUCTS: bool>(PhantomData<(K, C)>);
+pub struct All<K, C>(PhantomData<(K, C)>);
 
-impl<K: Kernel, C: Content, const CONDUCTS: bool> Terms for All<K, C, CONDUCTS> {
+impl<K: Kernel, C: Content> Terms for All<K, C> {
     type Kernel = K;
     type Content = C;
-    const CONDUCTS: bool = CONDUCTS;
 }
 
 /// What a particle brings into a pair, a value for each lane; in units of the sweep.
@@ -70,7 +67,7 @@ impl<S: Simd, E: Real> Member<S, E> {
         let fourth = square * square;
         let slope = if flux.three { fourth * inverse } else { fourth };
         let content = T::Content::of::<S, E>(simd, m, cs, flux.square_pressure);
-        let p = if T::CONDUCTS {
+        let p = if flux.conducts {
             let scale = slope * same::<S, E>(simd, flux.norm);
             T::Content::pressure::<S, E, R>(simd, push, scale, rho)
         } else {
@@ -150,6 +147,8 @@ fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S,
 /// Pressure, viscosity and conduction of a pair.
 pub struct Flux {
     pub three: bool,
+    /// Whether heat is conducted: a branch that is always the same way.
+    pub conducts: bool,
     /// The factor of the kernel's slope.
     pub norm: f64,
     /// P / rho by the square of the sound speed.
@@ -167,6 +166,7 @@ impl Flux {
         let d = hydro.dimensions();
         Self {
             three: d == 3,
+            conducts: hydro.conducts(),
             norm: T::Kernel::norm(d),
             square_pressure: hydro.eos.pressure_by_square(),
             beta_ratio: hydro.viscosity.ratio(),
@@ -207,7 +207,7 @@ impl Flux {
         let viscous = grip * (strength * volume);
         let pull = (pressure_a + pressure_b) + viscous;
         let mut heat = viscous.mul_add(half, pressure_a) * pair.approach;
-        if T::CONDUCTS {
+        if self.conducts {
             let contrast = Contrast {
                 cs2: (a.cs - b.cs) * (a.cs + b.cs),
                 p: a.p - b.p,
