@@ -54,7 +54,8 @@ impl Gas {
         let found = self.density_by(hydro, clock, Some(&late));
         late.clear();
         self.beyond = late;
-        found.map(|found| settled + found)
+        // Those listed were counted before.
+        found.map(|_| settled)
     }
 
     /// The density of the active particles as far as the vicinity goes.

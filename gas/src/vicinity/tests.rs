@@ -100,3 +100,34 @@ fn leaves_hold_their_particles_until_they_are_seen_again() {
         }
     }
 }
+
+#[test]
+fn a_support_that_outgrows_the_vicinity_is_sought_among_all_gas() {
+    let hydro = hydro(Domain::open());
+    let (mut gas, clock) = running(&hydro);
+    gas.arrive(&hydro.domain, &clock);
+    let mut whole = gas.clone();
+    for h in &mut gas.particles.h {
+        *h *= 0.3;
+    }
+    gas.bound();
+    let mut first = gas.clone();
+    first.look(&hydro, &clock);
+    first
+        .density_near(&hydro, &clock, Vec3::zeros())
+        .expect("a density");
+    let left = first.beyond.len();
+    assert!(left > 0, "the vicinity holds every support");
+    let found = gas.density(&hydro, &clock, Vec3::zeros());
+    let found = found.expect("a density");
+    assert_eq!(found, gas.active_ones().len());
+    whole
+        .density(&hydro, &clock, Vec3::zeros())
+        .expect("a density");
+    for &i in gas.active_ones() {
+        let i = i as usize;
+        // Both are solutions to the tolerance of h.
+        let density = gas.derived.rho[i] / whole.derived.rho[i] - 1.0;
+        assert!(density.abs() < 6.0 * hydro.tolerance, "{density:e}");
+    }
+}
