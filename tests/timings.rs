@@ -6,6 +6,7 @@ use std::process::Command;
 use tempfile::TempDir;
 
 /// Runs the program; returns its CPU time as the system counts it, s.
+#[expect(clippy::zombie_processes, reason = "wait4 waits for it")]
 fn cpu_seconds(arguments: &[&str]) -> f64 {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tridisk"));
     let child = command.args(arguments).spawn().expect("the program starts");

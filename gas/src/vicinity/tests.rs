@@ -67,9 +67,9 @@ fn what_is_near_gets_what_it_gets_where_all_gas_is_looked_at() {
                 .for_each(|i| seen[i] = true);
         }
         let largest = (whole.rates.dv_close.iter()).fold(0.0f64, |m, dv| m.max(dv.norm()));
-        for i in 0..gas.len() {
+        for (i, seen) in seen.into_iter().enumerate() {
             let expected = whole.rates.dv_close[i];
-            if !seen[i] {
+            if !seen {
                 assert_eq!(expected, Vec3::zeros(), "a particle that should be near");
                 continue;
             }

@@ -43,16 +43,15 @@ pub fn rows() -> Vec<Row> {
     });
     let error = l1(&runs[0]);
     let between = (error - l1(&runs[1])).abs();
-    let [profile, other] = runs.each_ref().map(|run| rings(run));
+    let [profile, other] = runs.each_ref().map(rings);
     let apart = profile.iter().zip(&other).map(|(a, b)| (a - b).abs());
     let profile_error =
         (profile.iter().enumerate()).map(|(k, v)| (v - speed((k as f64 + 0.5) * WIDTH)).abs());
     let binned = [profile_error.sum::<f64>(), apart.sum()].map(|sum| sum / profile.len() as f64);
     let missing = [1.0 - peak(&runs[0]), 1.0 - peak(&runs[1])];
     // SWIFT: 0.178, 0.111 and 0.121 by its density SPH, SPHENIX and pressure-energy schemes, with peaks of 0.46, 0.61 and 0.59.
-    [
+    let mut rows = [
         pair("L1 of v_phi", Bar::Limit([0.08, 0.178]), error, between),
-        pair("L1 of its ring means", Bar::None, binned[0], binned[1]),
         pair(
             "1 - peak of v_phi",
             Bar::Limit([0.3, 0.54]),
@@ -60,7 +59,15 @@ pub fn rows() -> Vec<Row> {
             (missing[0] - missing[1]).abs(),
         ),
     ]
-    .concat()
+    .concat();
+    // Disorder grows from rounding in either precision: told for information.
+    rows.push(Row {
+        what: "ring means of v_phi: difference in single precision, of their error".to_owned(),
+        measured: binned[1] / binned[0],
+        uncertainty: 0.0,
+        bar: Bar::None,
+    });
+    rows
 }
 
 /// Distance from the axis, and the direction around it.
