@@ -28,6 +28,28 @@ pub fn run(name: &str, overrides: &[&str]) -> Done {
     go(scene)
 }
 
+/// Whether a shipped scene ends bit for bit the same when its run stops at `part` of its end time and is resumed there, which must be the
+/// time of a snapshot but not of the last.
+pub fn resumes(name: &str, overrides: &[&str], part: f64) -> bool {
+    let whole = run(name, overrides);
+    let all: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    let scene = Scene::load(&shipped(name), &all).unwrap_or_else(|refusal| panic!("{refusal}"));
+    let folder = TempDir::new().expect("a folder");
+    let options = |end_time: Option<f64>| Options {
+        output: folder.path().to_path_buf(),
+        end_time,
+        quiet: true,
+    };
+    let stop = options(Some(part * scene.run.end_time));
+    let last = whole.snapshots().pop().expect("a snapshot");
+    let again = folder.path().join(last.file_name().expect("a name"));
+    run::run(scene, &stop).unwrap_or_else(|error| panic!("{error}"));
+    assert!(!again.exists(), "the run has not stopped before its end");
+    run::resume(folder.path(), &options(None)).unwrap_or_else(|error| panic!("{error}"));
+    let of = |path: &Path| snapshot::read(path, None).unwrap_or_else(|error| panic!("{error}"));
+    of(&again).groups == of(&last).groups
+}
+
 /// Runs a scene given as text.
 pub fn run_text(text: &str) -> Done {
     let scene = Scene::parse(text, "trial", Path::new("."), &[]);

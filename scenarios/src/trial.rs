@@ -28,9 +28,13 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// A scene from its text, its gas changed by `prepare` before the start; or why there is none.
-    pub fn new(text: &str, prepare: impl FnOnce(&mut Particles)) -> Result<Self, String> {
-        let scene = Scene::parse(text, "trial", Path::new("."), &[])
+    /// A scene from its text with `overrides` (as of `--set`), its gas changed by `prepare` before the start; or why there is none.
+    pub fn new(
+        text: &str,
+        overrides: &[String],
+        prepare: impl FnOnce(&mut Particles),
+    ) -> Result<Self, String> {
+        let scene = Scene::parse(text, "trial", Path::new("."), overrides)
             .map_err(|problems| format!("{problems:?}"))?;
         let mut system = assemble::start(&scene).map_err(|refusal| refusal.0)?;
         if !system.gas.is_empty() {

@@ -1,6 +1,6 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
-mod gas;
+pub mod gas;
 mod orbits;
 mod secular;
 mod steps;

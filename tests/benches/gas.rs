@@ -41,7 +41,7 @@ struct Cost {
 fn cost(scene: &str, dt: f64, prepare: fn(&mut gas::Particles)) -> Cost {
     let end = f64::from(STEPS + 1) * dt;
     let text = format!("title = \"a bench\"\n[run]\nend_time = {end}\ntime_step = {dt}\n{scene}");
-    let mut trial = Trial::new(&text, prepare).unwrap_or_else(|refusal| panic!("{refusal}"));
+    let mut trial = Trial::new(&text, &[], prepare).unwrap_or_else(|refusal| panic!("{refusal}"));
     let mut marks: Vec<[Lap; 8]> = Vec::new();
     let done = trial.run(&[0.0, dt, end], |stop| marks.push(stop.watch.laps));
     done.unwrap_or_else(|fault| panic!("{fault}"));

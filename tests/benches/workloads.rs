@@ -8,10 +8,11 @@ use nbody::points::{Domain, Vec3};
 use rand::RngExt;
 use tridisk::trial::Trial;
 
-/// A workload: a name, its scene but for `[run]`, and the length of its step.
+/// A workload: a name, its scene but for `[run]` in two parts, and the length of its step.
 pub struct Workload {
     pub name: &'static str,
-    scene: &'static str,
+    base: &'static str,
+    more: &'static str,
     step: f64,
     prepare: fn(&mut Particles),
 }
@@ -32,29 +33,47 @@ density = 1.0
 pressure = 1.0
 "#;
 
-/// All workloads; what is in the braces follows the scene of the box.
+/// A belt of 2000 massive bodies; the integrator is to be named.
+const PLANETESIMALS: &str = r#"
+[star]
+mass = "1 Msun"
+[planetesimals]
+number = 2000
+total_mass = "10 Mearth"
+inner_radius = "0.5 au"
+outer_radius = "1.5 au"
+eccentricity = 0.01
+inclination = 0.005
+density = "2 g/cm^3"
+"#;
+
+/// All workloads.
 pub const ALL: &[Workload] = &[
     Workload {
         name: "gas, constant viscosity, double",
-        scene: "{}",
+        base: BOX,
+        more: "",
         step: 0.004,
         prepare: jitter,
     },
     Workload {
         name: "gas, constant viscosity, single",
-        scene: "{}[gas.hydro]\nprecision = \"single\"\n",
+        base: BOX,
+        more: "[gas.hydro]\nprecision = \"single\"\n",
         step: 0.004,
         prepare: jitter,
     },
     Workload {
         name: "gas, Cullen & Dehnen, double",
-        scene: "{}[gas.viscosity]\nkind = \"cullen-dehnen\"\n",
+        base: BOX,
+        more: "[gas.viscosity]\nkind = \"cullen-dehnen\"\n",
         step: 0.004,
         prepare: jitter,
     },
     Workload {
         name: "gas with its gravity",
-        scene: r#"
+        base: "",
+        more: r#"
 [units]
 system = "dimensionless"
 [[gas.block]]
@@ -72,7 +91,8 @@ force_error = 1e-3
     },
     Workload {
         name: "grains in gas",
-        scene: r#"{}
+        base: BOX,
+        more: r#"
 [[dust.block]]
 lo = [0.0, 0.0, 0.0]
 hi = [1.0, 1.0, 1.0]
@@ -89,37 +109,15 @@ stopping_time = 0.001
     },
     Workload {
         name: "planetesimals, leapfrog",
-        scene: r#"
-[star]
-mass = "1 Msun"
-[planetesimals]
-number = 2000
-total_mass = "10 Mearth"
-inner_radius = "0.5 au"
-outer_radius = "1.5 au"
-eccentricity = 0.01
-inclination = 0.005
-density = "2 g/cm^3"
-integrator = "leapfrog"
-"#,
+        base: PLANETESIMALS,
+        more: "integrator = \"leapfrog\"\n",
         step: 0.01,
         prepare: as_they_are,
     },
     Workload {
         name: "planetesimals, hybrid",
-        scene: r#"
-[star]
-mass = "1 Msun"
-[planetesimals]
-number = 2000
-total_mass = "10 Mearth"
-inner_radius = "0.5 au"
-outer_radius = "1.5 au"
-eccentricity = 0.01
-inclination = 0.005
-density = "2 g/cm^3"
-integrator = "hybrid"
-"#,
+        base: PLANETESIMALS,
+        more: "integrator = \"hybrid\"\n",
         step: 0.05,
         prepare: as_they_are,
     },
@@ -145,12 +143,12 @@ pub fn run(name: &str, steps: usize) -> f64 {
     let workload = ALL.iter().find(|workload| workload.name == name);
     let workload = workload.unwrap_or_else(|| panic!("no workload {name}"));
     let end = steps as f64 * workload.step;
-    let scene = workload.scene.replace("{}", BOX);
-    let text = format!(
-        "title = \"{name}\"\n[run]\nend_time = {end}\ntime_step = {}\n{scene}",
-        workload.step
-    );
-    let trial = Trial::new(&text, workload.prepare);
+    let Workload {
+        base, more, step, ..
+    } = workload;
+    let text =
+        format!("title = \"{name}\"\n[run]\nend_time = {end}\ntime_step = {step}\n{base}{more}");
+    let trial = Trial::new(&text, &[], workload.prepare);
     let mut trial = trial.unwrap_or_else(|refusal| panic!("{name}: {refusal}"));
     let mut error = f64::NAN;
     let done = trial.run(&[0.0, end], |stop| {

@@ -1,12 +1,5 @@
 //! The same bits for any number of threads, and after a restart.
 
-use std::path::Path;
-
-use tempfile::TempDir;
-use tridisk::run::{self, Options};
-use tridisk::scene::Scene;
-use tridisk::snapshot;
-
 use crate::bench;
 
 #[test]
@@ -48,23 +41,5 @@ const REMEMBERING: [&str; 6] = [
 
 #[test]
 fn gas_that_sums_pressure_ends_bit_for_bit_the_same_when_its_run_is_resumed() {
-    let whole = bench::run("gas/sod.toml", &REMEMBERING);
-    let scene = Scene::load(
-        &bench::shipped("gas/sod.toml"),
-        &REMEMBERING.map(str::to_owned),
-    )
-    .unwrap_or_else(|refusal| panic!("{refusal}"));
-    let folder = TempDir::new().expect("a folder");
-    let options = |end_time: Option<f64>| Options {
-        output: folder.path().to_path_buf(),
-        end_time,
-        quiet: true,
-    };
-    run::run(scene, &options(Some(0.02))).unwrap_or_else(|error| panic!("{error}"));
-    assert!(!folder.path().join("snapshot_0004.hdf5").exists());
-    run::resume(folder.path(), &options(None)).unwrap_or_else(|error| panic!("{error}"));
-    let of = |path: &Path| snapshot::read(path, None).unwrap_or_else(|error| panic!("{error}"));
-    let last = whole.snapshots().pop().expect("a snapshot");
-    let name = last.file_name().expect("a name");
-    assert!(of(&folder.path().join(name)).groups == of(&last).groups);
+    assert!(bench::resumes("gas/sod.toml", &REMEMBERING, 0.5));
 }

@@ -1,10 +1,6 @@
 //! Orbits: one eccentric companion, and the outer Solar System.
 
 use nbody::points::Vec3;
-use tempfile::TempDir;
-use tridisk::run::{self, Options};
-use tridisk::scene::{Scene, Snapshots};
-use tridisk::snapshot;
 
 use crate::bench;
 
@@ -63,31 +59,11 @@ fn the_corrected_jacobi_map_keeps_the_outer_solar_systems_energy_to_rounding() {
 
 #[test]
 fn a_jacobi_run_resumed_halfway_ends_bit_for_bit_as_an_unbroken_one() {
-    let whole = bench::run("nbody/outer-solar-system.toml", &JACOBI);
-    let scene = Scene::load(
-        &bench::shipped("nbody/outer-solar-system.toml"),
-        &JACOBI.map(str::to_owned),
-    )
-    .unwrap_or_else(|refusal| panic!("{refusal}"));
-    let folder = TempDir::new().expect("a folder");
-    let options = |end_time: Option<f64>| Options {
-        output: folder.path().to_path_buf(),
-        end_time,
-        quiet: true,
-    };
-    let Snapshots::Every(interval) = scene.run.snapshots else {
-        panic!("snapshots at equal intervals");
-    };
-    let half = options(Some(5.0 * interval));
-    run::run(scene, &half).unwrap_or_else(|error| panic!("{error}"));
-    run::resume(folder.path(), &options(None)).unwrap_or_else(|error| panic!("{error}"));
-    let of = |path: &std::path::Path| {
-        snapshot::read(path, None).unwrap_or_else(|error| panic!("{error}"))
-    };
-    let last = whole.snapshots().len() - 1;
-    assert_eq!(last, 10);
-    let name = format!("snapshot_{last:04}.hdf5");
-    assert!(of(&folder.path().join(&name)).groups == of(&whole.path(&name)).groups);
+    assert!(bench::resumes(
+        "nbody/outer-solar-system.toml",
+        &JACOBI,
+        0.5
+    ));
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 mod evrard;
 mod gresho;
-mod sod;
+pub mod sod;
 
 pub use evrard::rows as evrard;
 pub use gresho::rows as gresho;
@@ -63,8 +63,8 @@ fn both(scene: &str, end: f64, prepare: impl Fn(&mut Particles)) -> [End; 2] {
 
 /// The end of a scene, and the CPU time of an update in seconds.
 fn solo(scene: &str, end: f64, prepare: impl FnOnce(&mut Particles)) -> (End, f64) {
-    let mut trial =
-        Trial::new(scene, prepare).unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
+    let mut trial = Trial::new(scene, &[], prepare)
+        .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
     let mut last = None;
     let done = trial.run(&[0.0, end], |stop| {
         last = Some(End::of(stop.system, stop.books));

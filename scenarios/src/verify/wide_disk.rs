@@ -18,7 +18,7 @@ const OUTER: f64 = 100.0;
 const ASPECT: f64 = 0.05;
 
 pub fn rows() -> Vec<Row> {
-    let trial = Trial::new(SCENE, |_| {});
+    let trial = Trial::new(SCENE, &[], |_| {});
     let mut trial = trial.unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
     let orbit = TAU * INNER.powf(1.5);
     let stops: Vec<f64> = (0..=12).map(|k| 0.25 * f64::from(k) * orbit).collect();

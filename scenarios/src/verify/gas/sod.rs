@@ -27,10 +27,10 @@ pub fn rows() -> Vec<Row> {
 
 /// The L1 errors of density and velocity.
 fn errors(run: &End) -> [f64; 2] {
-    let fan = Fan::new();
+    let fan = Fan::default();
     mean(run, |i| {
         let particle = &run.gas[i];
-        let (rho, v) = fan.at((particle.x.x - 1.0) / END);
+        let [rho, v, _] = fan.at((particle.x.x - 1.0) / END);
         [(particle.rho - rho).abs(), (particle.v.x - v).abs()]
     })
 }
@@ -58,10 +58,12 @@ fn mean(run: &End, value: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
     sum.map(|sum| sum / volume)
 }
 
-/// The exact solution: rarefaction to the left, contact, shock to the right.
-struct Fan {
-    /// Velocity of the contact; densities on its left and right.
+/// The exact solution of the tube, gamma = 5/3, from (rho, P) = (1, 1) on the left and (0.125, 0.1) on the right, in these units:
+/// rarefaction to the left, contact, shock to the right (Toro 2009, chapter 4).
+pub struct Fan {
+    /// Velocity and pressure of the contact; densities on its left and right.
     v: f64,
+    p: f64,
     rho: [f64; 2],
     /// Speeds of the rarefaction's head and tail, and of the shock.
     head: f64,
@@ -69,8 +71,8 @@ struct Fan {
     shock: f64,
 }
 
-impl Fan {
-    fn new() -> Self {
+impl Default for Fan {
+    fn default() -> Self {
         let (rl, pl, rr, pr) = (1.0f64, 1.0f64, 0.125f64, 0.1f64);
         let g = GAMMA;
         let (cl, cr) = ((g * pl / rl).sqrt(), (g * pr / rr).sqrt());
@@ -90,6 +92,7 @@ impl Fan {
         let (v, q) = (shocked(p), p / pr);
         Self {
             v,
+            p,
             rho: [
                 rl * (p / pl).powf(1.0 / g),
                 rr * ((g + 1.0) * q + g - 1.0) / ((g - 1.0) * q + g + 1.0),
@@ -99,21 +102,24 @@ impl Fan {
             shock: cr * ((g + 1.0) / (2.0 * g) * q + (g - 1.0) / (2.0 * g)).sqrt(),
         }
     }
+}
 
-    /// Density and velocity at xi = x / t.
-    fn at(&self, xi: f64) -> (f64, f64) {
+impl Fan {
+    /// Density, velocity and pressure at xi = x / t, where x is counted from the diaphragm.
+    pub fn at(&self, xi: f64) -> [f64; 3] {
         if xi < self.head {
-            (1.0, 0.0)
+            [1.0, 0.0, 1.0]
         } else if xi < self.tail {
             let g = GAMMA;
             let k = 2.0 / (g + 1.0) - (g - 1.0) / (g + 1.0) * xi / -self.head;
-            (k.powf(2.0 / (g - 1.0)), 2.0 / (g + 1.0) * (xi - self.head))
+            let v = 2.0 / (g + 1.0) * (xi - self.head);
+            [k.powf(2.0 / (g - 1.0)), v, k.powf(2.0 * g / (g - 1.0))]
         } else if xi < self.v {
-            (self.rho[0], self.v)
+            [self.rho[0], self.v, self.p]
         } else if xi < self.shock {
-            (self.rho[1], self.v)
+            [self.rho[1], self.v, self.p]
         } else {
-            (0.125, 0.0)
+            [0.125, 0.0, 0.1]
         }
     }
 }
@@ -125,7 +131,7 @@ mod tests {
     #[test]
     fn the_exact_solution_is_that_of_the_reference_table() {
         // States between the waves: u = 0.841194852169, rho = 0.479689058721 and 0.229805749312, shock at 1.84447336705.
-        let fan = Fan::new();
+        let fan = Fan::default();
         assert!((fan.v - 0.841_194_852_169).abs() < 1e-10);
         assert!((fan.rho[0] - 0.479_689_058_721).abs() < 1e-10);
         assert!((fan.rho[1] - 0.229_805_749_312).abs() < 1e-10);
@@ -133,7 +139,9 @@ mod tests {
         // The fan meets its neighbours.
         for edge in [fan.head, fan.tail] {
             let (below, above) = (fan.at(edge - 1e-9), fan.at(edge + 1e-9));
-            assert!((below.0 - above.0).abs() < 1e-8 && (below.1 - above.1).abs() < 1e-8);
+            for (below, above) in below.into_iter().zip(above) {
+                assert!((below - above).abs() < 1e-8);
+            }
         }
     }
 }
