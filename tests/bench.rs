@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use tridisk::history;
 use tridisk::run::{self, Options, Outcome};
-use tridisk::scene::Scene;
+use tridisk::scene::{Scene, Snapshots};
 use tridisk::snapshot::{self, Particles};
 
 /// A shipped scene.
@@ -28,9 +28,8 @@ pub fn run(name: &str, overrides: &[&str]) -> Done {
     go(scene)
 }
 
-/// Whether a shipped scene ends bit for bit the same when its run stops at `part` of its end time and is resumed there, which must be the
-/// time of a snapshot but not of the last.
-pub fn resumes(name: &str, overrides: &[&str], part: f64) -> bool {
+/// Whether a shipped scene ends bit for bit the same when its run stops after so many of its snapshots' intervals and is resumed there.
+pub fn resumes(name: &str, overrides: &[&str], intervals: f64) -> bool {
     let whole = run(name, overrides);
     let all: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let scene = Scene::load(&shipped(name), &all).unwrap_or_else(|refusal| panic!("{refusal}"));
@@ -40,7 +39,10 @@ pub fn resumes(name: &str, overrides: &[&str], part: f64) -> bool {
         end_time,
         quiet: true,
     };
-    let stop = options(Some(part * scene.run.end_time));
+    let Snapshots::Every(interval) = scene.run.snapshots else {
+        panic!("snapshots at equal intervals");
+    };
+    let stop = options(Some(intervals * interval));
     let last = whole.snapshots().pop().expect("a snapshot");
     let again = folder.path().join(last.file_name().expect("a name"));
     run::run(scene, &stop).unwrap_or_else(|error| panic!("{error}"));

@@ -62,7 +62,7 @@ fn a_jacobi_run_resumed_halfway_ends_bit_for_bit_as_an_unbroken_one() {
     assert!(bench::resumes(
         "nbody/outer-solar-system.toml",
         &JACOBI,
-        0.5
+        5.0
     ));
 }
 
