@@ -16,12 +16,11 @@ use nbody::points::sum::Parts;
 use nbody::points::{Clock, Fault, Population, Vec3};
 use rayon::prelude::*;
 
-use crate::formulation::{Content, Mass, PressureVolume};
 use crate::leaves::FEW;
 use crate::neighbours::Frame;
 use crate::units::Units;
 use crate::workspace::Element;
-use crate::{CubicSpline, Formulation, Gas, Hydro, KernelKind, Precision, WendlandC2};
+use crate::{Formulation, Gas, Hydro, Precision};
 
 mod law;
 mod out;
@@ -33,7 +32,7 @@ mod sweep;
 use law::Law;
 use out::{Out, State};
 use pack::Pack;
-use sums::{All, QUADS, Terms};
+use sums::QUADS;
 use sweep::Sweep;
 pub use sweep::Target;
 
@@ -77,15 +76,11 @@ impl Gas {
         clock: &Clock,
         listed: Option<&[u32]>,
     ) -> Result<usize, Fault> {
-        match (hydro.formulation, hydro.viscosity.wants_gradient()) {
-            (Formulation::Density, false) => self.density_of::<Mass, false>(hydro, clock, listed),
-            (Formulation::Density, true) => self.density_of::<Mass, true>(hydro, clock, listed),
-            (Formulation::Pressure, false) => {
-                self.density_of::<PressureVolume, false>(hydro, clock, listed)
-            }
-            (Formulation::Pressure, true) => {
-                self.density_of::<PressureVolume, true>(hydro, clock, listed)
-            }
+        match (hydro.precision, hydro.viscosity.wants_gradient()) {
+            (Precision::Single, false) => self.density_with::<f32, false>(hydro, clock, listed),
+            (Precision::Single, true) => self.density_with::<f32, true>(hydro, clock, listed),
+            (Precision::Double, false) => self.density_with::<f64, false>(hydro, clock, listed),
+            (Precision::Double, true) => self.density_with::<f64, true>(hydro, clock, listed),
         }
     }
 
@@ -98,28 +93,6 @@ impl Gas {
         }
         if hydro.viscosity.wants_gradient() {
             self.particles.trace_v.resize(n, 0.0);
-        }
-    }
-
-    fn density_of<C: Content, const GRADIENT: bool>(
-        &mut self,
-        hydro: &Hydro,
-        clock: &Clock,
-        listed: Option<&[u32]>,
-    ) -> Result<usize, Fault> {
-        match (hydro.kernel, hydro.precision) {
-            (KernelKind::CubicSpline, Precision::Single) => {
-                self.density_with::<All<CubicSpline, C, GRADIENT>, f32>(hydro, clock, listed)
-            }
-            (KernelKind::CubicSpline, Precision::Double) => {
-                self.density_with::<All<CubicSpline, C, GRADIENT>, f64>(hydro, clock, listed)
-            }
-            (KernelKind::WendlandC2, Precision::Single) => {
-                self.density_with::<All<WendlandC2, C, GRADIENT>, f32>(hydro, clock, listed)
-            }
-            (KernelKind::WendlandC2, Precision::Double) => {
-                self.density_with::<All<WendlandC2, C, GRADIENT>, f64>(hydro, clock, listed)
-            }
         }
     }
 
@@ -149,7 +122,7 @@ impl Gas {
         });
     }
 
-    fn density_with<T: Terms, E: Element>(
+    fn density_with<E: Element, const GRADIENT: bool>(
         &mut self,
         hydro: &Hydro,
         clock: &Clock,
@@ -177,7 +150,7 @@ impl Gas {
             cs: &derived.cs,
             v,
         };
-        packed.fill::<QUADS>(&frame, near, |i, _, _| (0.0, pack.source::<T, E>(i)));
+        packed.fill::<QUADS>(&frame, near, |i, _, _| (0.0, pack.source::<E>(i)));
         let state = State {
             h: &mut particles.h,
             alpha: &mut particles.alpha,
@@ -196,14 +169,14 @@ impl Gas {
             m: &particles.m,
             largest: hydro.largest_reach(extent) / units.length,
             h_by_reach: units.length / hydro.support(),
-            law: Law::new::<T::Kernel>(hydro),
+            law: Law::new(hydro),
             level,
             out,
             listed,
             seen: &self.vicinity.reach,
             beyond: Mutex::new(std::mem::take(&mut self.beyond)),
         };
-        let tally = sweep.run::<T>(&self.vicinity.active_branches);
+        let tally = sweep.run::<GRADIENT>(&self.vicinity.active_branches);
         self.beyond = sweep.beyond.into_inner().unwrap_or_default();
         *E::packed(&mut self.packed) = packed;
         match tally.failed {

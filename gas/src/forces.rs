@@ -10,12 +10,11 @@
 use fearless_simd::Level;
 use nbody::points::Clock;
 
-use crate::formulation::{Content, Mass, PressureVolume};
 use crate::neighbours::Frame;
 use crate::units::Units;
 use crate::vicinity::Vicinity;
 use crate::workspace::Element;
-use crate::{CubicSpline, Formulation, Gas, Hydro, KernelKind, Precision, WendlandC2};
+use crate::{Gas, Hydro, Precision};
 
 mod out;
 mod pack;
@@ -26,7 +25,7 @@ mod sweep;
 use out::Out;
 pub use pack::Pace;
 use pack::Pack;
-use pair::{All, Flux, QUADS, Terms};
+use pair::{Flux, QUADS};
 use sweep::Sweep;
 
 /// A tick that never comes.
@@ -36,35 +35,13 @@ impl Gas {
     /// Forces of the pairs that have an active member: rates of the active particles, and the impulses that close the steps ending now and
     /// open those beginning now, in which `next` is the clock. Returns the number of particles that had such a pair.
     pub fn forces(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
-        match hydro.formulation {
-            Formulation::Density => self.forces_of::<Mass>(hydro, clock, next),
-            Formulation::Pressure => self.forces_of::<PressureVolume>(hydro, clock, next),
+        match hydro.precision {
+            Precision::Single => self.forces_with::<f32>(hydro, clock, next),
+            Precision::Double => self.forces_with::<f64>(hydro, clock, next),
         }
     }
 
-    fn forces_of<C: Content>(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
-        match (hydro.kernel, hydro.precision) {
-            (KernelKind::CubicSpline, Precision::Single) => {
-                self.forces_with::<All<CubicSpline, C>, f32>(hydro, clock, next)
-            }
-            (KernelKind::CubicSpline, Precision::Double) => {
-                self.forces_with::<All<CubicSpline, C>, f64>(hydro, clock, next)
-            }
-            (KernelKind::WendlandC2, Precision::Single) => {
-                self.forces_with::<All<WendlandC2, C>, f32>(hydro, clock, next)
-            }
-            (KernelKind::WendlandC2, Precision::Double) => {
-                self.forces_with::<All<WendlandC2, C>, f64>(hydro, clock, next)
-            }
-        }
-    }
-
-    fn forces_with<T: Terms, E: Element>(
-        &mut self,
-        hydro: &Hydro,
-        clock: &Clock,
-        next: &Clock,
-    ) -> usize {
+    fn forces_with<E: Element>(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> usize {
         if self.is_empty() {
             return 0;
         }
@@ -91,7 +68,7 @@ impl Gas {
             x: &particles.x,
             units,
         };
-        let flux = Flux::new::<T>(hydro);
+        let flux = Flux::new(hydro);
         let pack = Pack {
             units,
             clock,
@@ -121,7 +98,7 @@ impl Gas {
                 [clock, next],
             ),
         };
-        let targets = sweep.run::<T>(near_branches);
+        let targets = sweep.run(near_branches);
         *E::packed(&mut self.packed) = packed;
         targets
     }

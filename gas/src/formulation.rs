@@ -14,7 +14,7 @@ use fearless_simd::{Select, Simd, SimdBase};
 
 use crate::lanes::{Lanes, Machine, Real, same};
 
-/// The formulation of a scene; loops are generic over [`Content`].
+/// The formulation of a scene: in loops over pairs a branch that is always the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Formulation {
     #[default]
@@ -46,75 +46,47 @@ impl Formulation {
     }
 }
 
-/// What a particle brings into y.
-pub trait Content: Copy + Send + Sync + 'static {
+impl Formulation {
     /// Whether y is the density.
-    const IS_MASS: bool;
+    #[inline(always)]
+    pub(crate) fn sums_mass(self) -> bool {
+        self == Self::Density
+    }
 
     /// x of particles of mass `m` and sound speed `cs`; P / rho is `factor` times its square.
-    fn of<S: Simd, E: Real>(simd: S, m: Lanes<S, E>, cs: Lanes<S, E>, factor: f64) -> Lanes<S, E>;
+    #[inline(always)]
+    pub(crate) fn contents<S: Simd, E: Real>(
+        self,
+        simd: S,
+        m: Lanes<S, E>,
+        cs: Lanes<S, E>,
+        factor: f64,
+    ) -> Lanes<S, E> {
+        match self {
+            Self::Density => m,
+            Self::Pressure => m * (cs * cs) * same::<S, E>(simd, factor),
+        }
+    }
 
     /// P, where P / y^2 times `scale` is `push`.
-    fn pressure<S: Simd, E: Real, R: Machine<S, E>>(
-        simd: S,
-        push: Lanes<S, E>,
-        scale: Lanes<S, E>,
-        rho: Lanes<S, E>,
-    ) -> Lanes<S, E>;
-}
-
-/// x = m.
-#[derive(Clone, Copy, Debug)]
-pub struct Mass;
-
-impl Content for Mass {
-    const IS_MASS: bool = true;
-
     #[inline(always)]
-    fn of<S: Simd, E: Real>(
-        _simd: S,
-        m: Lanes<S, E>,
-        _cs: Lanes<S, E>,
-        _factor: f64,
-    ) -> Lanes<S, E> {
-        m
-    }
-
-    #[inline(always)]
-    fn pressure<S: Simd, E: Real, R: Machine<S, E>>(
+    pub(crate) fn pressure<S: Simd, E: Real, R: Machine<S, E>>(
+        self,
         simd: S,
         push: Lanes<S, E>,
         scale: Lanes<S, E>,
         rho: Lanes<S, E>,
     ) -> Lanes<S, E> {
-        (rho * rho) * (push * R::reciprocal(simd, scale))
-    }
-}
-
-/// x = m P / rho.
-#[derive(Clone, Copy, Debug)]
-pub struct PressureVolume;
-
-impl Content for PressureVolume {
-    const IS_MASS: bool = false;
-
-    #[inline(always)]
-    fn of<S: Simd, E: Real>(simd: S, m: Lanes<S, E>, cs: Lanes<S, E>, factor: f64) -> Lanes<S, E> {
-        m * (cs * cs) * same::<S, E>(simd, factor)
-    }
-
-    #[inline(always)]
-    fn pressure<S: Simd, E: Real, R: Machine<S, E>>(
-        simd: S,
-        push: Lanes<S, E>,
-        scale: Lanes<S, E>,
-        _rho: Lanes<S, E>,
-    ) -> Lanes<S, E> {
-        let zero = same::<S, E>(simd, 0.0);
-        let one = same::<S, E>(simd, 1.0);
-        let pushes = push.simd_gt(zero);
-        let p = scale * R::reciprocal(simd, pushes.select(push, one));
-        pushes.select(p, zero)
+        match self {
+            Self::Density => (rho * rho) * (push * R::reciprocal(simd, scale)),
+            Self::Pressure => {
+                let zero = same::<S, E>(simd, 0.0);
+                let one = same::<S, E>(simd, 1.0);
+                let pushes = push.simd_gt(zero);
+                let p = scale * R::reciprocal(simd, pushes.select(push, one));
+                pushes.select(p, zero)
+            }
+        }
     }
 }
 

@@ -161,20 +161,49 @@ pub fn unit_sphere(dimensions: usize) -> f64 {
     by_dimension(dimensions, PI, 4.0 / 3.0 * PI)
 }
 
-/// The kernel of a scene; loops are generic over [`Kernel`].
+/// The kernel of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KernelKind {
     CubicSpline,
     WendlandC2,
 }
 
+/// Calls a function of the kernel: in loops over pairs a branch that is always the same way, so that sweeps are compiled once for all kernels.
+macro_rules! of_kernel {
+    ($kind:expr, $function:ident($($argument:expr),*)) => {
+        match $kind {
+            KernelKind::CubicSpline => CubicSpline::$function($($argument),*),
+            KernelKind::WendlandC2 => WendlandC2::$function($($argument),*),
+        }
+    };
+}
+
 impl KernelKind {
     /// Kernel support by smoothing length, H / h.
     pub fn support(self, dimensions: usize) -> f64 {
-        match self {
-            Self::CubicSpline => CubicSpline::support(dimensions),
-            Self::WendlandC2 => WendlandC2::support(dimensions),
-        }
+        of_kernel!(self, support(dimensions))
+    }
+
+    /// The factor that normalises [`KernelKind::value`].
+    pub fn norm(self, dimensions: usize) -> f64 {
+        of_kernel!(self, norm(dimensions))
+    }
+
+    /// As [`Kernel::self_excess`].
+    pub fn self_excess(self, neighbours: f64, dimensions: usize) -> f64 {
+        of_kernel!(self, self_excess(neighbours, dimensions))
+    }
+
+    /// w(q), not normalised.
+    #[inline(always)]
+    pub fn value<S, N: Number<S>>(self, q: N) -> N {
+        of_kernel!(self, value(q))
+    }
+
+    /// (dw/dq) / q, not normalised.
+    #[inline(always)]
+    pub fn slope<S, N: Number<S>>(self, q: N) -> N {
+        of_kernel!(self, slope(q))
     }
 }
 

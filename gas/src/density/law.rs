@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat};
 
 use crate::kernel::unit_sphere;
 use crate::lanes::{Lanes, Machine, Real, load, same};
-use crate::{Hydro, Kernel};
+use crate::{Hydro, KernelKind};
 
 /// The solver for H gives up after this many evaluations.
 const TRIES: usize = 100;
@@ -37,6 +37,9 @@ fn exponential(x: f64) -> f64 {
 
 /// The condition on H.
 pub struct Law {
+    pub kernel: KernelKind,
+    /// Whether the sum of the formulation is the density.
+    pub sums_mass: bool,
     pub d: f64,
     pub wanted: f64,
     tolerance: f64,
@@ -57,46 +60,43 @@ pub enum Trial {
 }
 
 impl Law {
-    pub fn new<K: Kernel>(hydro: &Hydro) -> Self {
-        let d = hydro.dimensions();
-        let weight = unit_sphere(d) * K::norm(d);
+    pub fn new(hydro: &Hydro) -> Self {
+        let (kernel, d) = (hydro.kernel, hydro.dimensions());
+        let weight = unit_sphere(d) * kernel.norm(d);
         assert!(
-            hydro.neighbours > weight * K::value(0.0),
+            hydro.neighbours > weight * kernel.value(0.0),
             "more neighbours than the particle itself"
         );
         Self {
+            kernel,
+            sums_mass: hydro.formulation.sums_mass(),
             d: d as f64,
             wanted: hydro.neighbours,
             tolerance: hydro.tolerance,
-            norm: K::norm(d),
+            norm: kernel.norm(d),
             weight,
-            excess: K::self_excess(hydro.neighbours, d) * K::value(0.0),
+            excess: kernel.self_excess(hydro.neighbours, d) * kernel.value(0.0),
         }
     }
 
     /// Sums over the distances `r` of w(q) and of -q dw/dq, at H = `reach`.
     #[inline(always)]
-    fn sums<K: Kernel, S: Simd, E: Real, R: Machine<S, E>>(
-        &self,
-        simd: S,
-        r: &[E],
-        reach: f64,
-    ) -> (f64, f64) {
+    fn sums<S: Simd, E: Real, R: Machine<S, E>>(&self, simd: S, r: &[E], reach: f64) -> (f64, f64) {
         let inverse = same::<S, E>(simd, 1.0 / reach);
         let one = same::<S, E>(simd, 1.0);
         let mut value = same::<S, E>(simd, 0.0);
         let mut slope = value;
         for r in r.chunks_exact(Lanes::<S, E>::LEN) {
             let q = (load(simd, r, 0) * inverse).min(one);
-            value += K::value(q);
-            slope = (q * q).mul_add(-K::slope(q), slope);
+            value += self.kernel.value(q);
+            slope = (q * q).mul_add(-self.kernel.slope(q), slope);
         }
         (R::total(value), R::total(slope))
     }
 
     /// Newton's method in ln H for ln of the neighbour number, kept between bounds; the number grows with H.
     #[inline(always)]
-    pub fn solve<K: Kernel, S: Simd, E: Real, R: Machine<S, E>>(
+    pub fn solve<S: Simd, E: Real, R: Machine<S, E>>(
         &self,
         simd: S,
         r: &[E],
@@ -106,7 +106,7 @@ impl Law {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut reach = start.min(radius);
         for _ in 0..TRIES {
-            let (value, slope) = self.sums::<K, S, E, R>(simd, r, reach);
+            let (value, slope) = self.sums::<S, E, R>(simd, r, reach);
             let number = self.weight * value;
             let excess = logarithm(number / self.wanted);
             if excess >= 0.0 {

@@ -3,8 +3,7 @@
 use nbody::points::Clock;
 use nbody::points::sum::Parts;
 
-use super::sums::{Local, Terms};
-use crate::formulation::Content;
+use super::sums::Local;
 use crate::units::Units;
 use crate::viscosity::Flow;
 use crate::viscosity::cullen_dehnen::Compression;
@@ -94,7 +93,7 @@ impl<'a> Out<'a> {
 
     /// Writes what the sums say of particle i, whose support is `reach`.
     #[inline(always)]
-    pub fn write<T: Terms>(&self, i: usize, local: &Local, reach: f64) {
+    pub fn write(&self, i: usize, local: &Local, reach: f64) {
         let rate = self.velocity / self.length;
         let rho = local.rho * self.density;
         let flow = Flow {
@@ -111,7 +110,7 @@ impl<'a> Out<'a> {
             out.h.part(own.clone())[0] = flow.h;
             out.alpha.part(own.clone())[0] = alpha;
             out.rho.part(own.clone())[0] = rho;
-            if T::Content::IS_MASS {
+            if self.hydro.formulation.sums_mass() {
                 out.p.part(own.clone())[0] = p;
             } else {
                 let sum = local.y * (self.density * self.velocity * self.velocity);

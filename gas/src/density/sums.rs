@@ -1,34 +1,13 @@
 //! The sums over the neighbours of one particle, in units of the sweep.
 
-use std::marker::PhantomData;
-
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat};
 
 use super::law::Law;
 use super::shear::{Flow, Shear};
-use crate::Kernel;
-use crate::formulation::Content;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
 
 /// Quads of a row: mass and velocity; sound speed, step, sign of the divergence, content.
 pub const QUADS: usize = 2;
-
-/// The sums that a sweep has.
-pub trait Terms: Send + Sync + 'static {
-    type Kernel: Kernel;
-    type Content: Content;
-    /// Whether the velocity gradient is wanted.
-    const GRADIENT: bool;
-}
-
-/// Terms by type.
-pub struct All<K, C, const GRADIENT: bool>(PhantomData<(K, C)>);
-
-impl<K: Kernel, C: Content, const GRADIENT: bool> Terms for All<K, C, GRADIENT> {
-    type Kernel = K;
-    type Content = C;
-    const GRADIENT: bool = GRADIENT;
-}
 
 /// What the sums say of a particle.
 pub struct Local {
@@ -93,13 +72,13 @@ impl<S: Simd, E: Real> Sums<S, E> {
 
     /// Adds some neighbours: their columns, separations `d` and distances `r`.
     #[inline(always)]
-    pub fn add<T: Terms, R: Machine<S, E>>(
+    pub fn add<const GRADIENT: bool, R: Machine<S, E>>(
         &mut self,
         simd: S,
+        law: &Law,
         own: &Own<E>,
         columns: [[Lanes<S, E>; 4]; QUADS],
-        d: [Lanes<S, E>; 3],
-        r: Lanes<S, E>,
+        (d, r): ([Lanes<S, E>; 3], Lanes<S, E>),
     ) {
         let [[m, v_x, v_y, v_z], [cs, span, sign, content]] = columns;
         let [Quad([_, v @ ..]), Quad([cs_i, ..])] = own.row;
@@ -111,21 +90,21 @@ impl<S: Simd, E: Real> Sums<S, E> {
         ];
         let (zero, one) = (same::<S, E>(simd, 0.0), same::<S, E>(simd, 1.0));
         let q = (r * same::<S, E>(simd, 1.0 / own.reach)).min(one);
-        let slope = T::Kernel::slope(q);
+        let slope = law.kernel.slope(q);
         let m_slope = m * slope;
         let fall = q * q;
-        let value = T::Kernel::value(q);
+        let value = law.kernel.value(q);
         let m_value = m * value;
         self.mass += m_value;
         self.slope = fall.mul_add(-slope, self.slope);
         self.mass_slope = fall.mul_add(-m_slope, self.mass_slope);
-        if !T::Content::IS_MASS {
+        if !law.sums_mass {
             self.content = content.mul_add(value, self.content);
             self.content_slope = (fall * content).mul_add(-slope, self.content_slope);
         }
         let approach = dv[2].mul_add(d[2], dv[1].mul_add(d[1], dv[0] * d[0]));
         self.div = slope.mul_add(approach, self.div);
-        if T::GRADIENT {
+        if GRADIENT {
             self.shear.add(d, dv, [m_slope, m_value, sign]);
         } else {
             self.mass_div = m_slope.mul_add(approach, self.mass_div);
@@ -148,7 +127,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
 
     /// What the sums say; `free` is whether H follows the particles, `axes` those of the domain.
     #[inline(always)]
-    pub fn local<T: Terms, R: Machine<S, E>>(
+    pub fn local<const GRADIENT: bool, R: Machine<S, E>>(
         &self,
         law: &Law,
         own: &Own<E>,
@@ -169,7 +148,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
         let counted = mass - law.excess * own.m;
         let rho = law.norm / volume * counted;
         let g = grad(counted, mass_slope);
-        let (y, grad_h) = if T::Content::IS_MASS {
+        let (y, grad_h) = if law.sums_mass {
             (rho, g / own.m)
         } else {
             let (content, fall) = (R::total(self.content), R::total(self.content_slope));
@@ -182,7 +161,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
             (law.norm / volume * content, grad(content, fall) * by_own)
         };
         let scale = law.norm / (volume * own.reach * own.reach * rho);
-        let (div_v, curl_v, flow) = if T::GRADIENT {
+        let (div_v, curl_v, flow) = if GRADIENT {
             let flow = self.shear.flow::<R>(axes, mass);
             (-scale * (flow.m_div - g * div), flow.curl, flow)
         } else {

@@ -1,6 +1,5 @@
 //! The sweep over all active particles, leaf by leaf: H of each, and the sums over its neighbours.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -10,7 +9,7 @@ use rayon::prelude::*;
 
 use super::law::{Law, Trial};
 use super::out::Out;
-use super::sums::{Local, Own, Sums, Terms};
+use super::sums::{Local, Own, Sums};
 use crate::Hydro;
 use crate::lanes::{Job, Lanes, Machine, load};
 use crate::neighbours::{FEW, Frame, Packed, Region, Search};
@@ -82,17 +81,16 @@ pub struct Sweep<'a, E> {
 }
 
 /// The sweep over the leaves of a branch.
-struct Branch<'a, E, T> {
+struct Branch<'a, E, const GRADIENT: bool> {
     sweep: &'a Sweep<'a, E>,
     branch: usize,
     region: &'a mut Region<E>,
     pending: &'a mut Vec<Target>,
     /// How far the leaves around have been sought, code units.
     sought: f64,
-    terms: PhantomData<T>,
 }
 
-impl<E: Element, T: Terms> Job<E> for Branch<'_, E, T> {
+impl<E: Element, const GRADIENT: bool> Job<E> for Branch<'_, E, GRADIENT> {
     type Output = Tally;
 
     #[inline(always)]
@@ -116,7 +114,7 @@ impl<E: Element, T: Terms> Job<E> for Branch<'_, E, T> {
                     (region.around).find(&sweep.frame, branch, sought, &[]);
                 }
                 sweep.gather(simd, leaf, (span, reach), region);
-                let failed = sweep.settle::<T, S, R>(simd, leaf, region, pending);
+                let failed = sweep.settle::<GRADIENT, S, R>(simd, leaf, region, pending);
                 tally = tally.and(Tally { targets: 0, failed });
             }
         }
@@ -125,19 +123,18 @@ impl<E: Element, T: Terms> Job<E> for Branch<'_, E, T> {
 }
 
 impl<E: Element> Sweep<'_, E> {
-    pub fn run<T: Terms>(&self, branches: &[u32]) -> Tally {
+    pub fn run<const GRADIENT: bool>(&self, branches: &[u32]) -> Tally {
         let tallies = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
                 let branch = branch as usize;
                 let sought = self.reach(branch);
                 (space.region.around).find(&self.frame, branch, sought, &[]);
-                let branch = Branch::<E, T> {
+                let branch = Branch::<E, GRADIENT> {
                     sweep: self,
                     branch,
                     region: &mut space.region,
                     pending: &mut space.pending,
                     sought,
-                    terms: PhantomData,
                 };
                 E::run(self.level, branch)
             })
@@ -164,7 +161,7 @@ impl<E: Element> Sweep<'_, E> {
 
     /// Settles what can be settled of `pending`; returns the first particle without a solution.
     #[inline(always)]
-    fn settle<T: Terms, S: Simd, R: Machine<S, E>>(
+    fn settle<const GRADIENT: bool, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         leaf: usize,
@@ -179,8 +176,8 @@ impl<E: Element> Sweep<'_, E> {
                 region.focus(simd, span, reach, false);
             }
             let mut target = pending[k];
-            match self.solve::<T, S, R>(simd, &mut target, region) {
-                Outcome::Done { local, reach } => self.out.write::<T>(target.i, &local, reach),
+            match self.solve::<GRADIENT, S, R>(simd, &mut target, region) {
+                Outcome::Done { local, reach } => self.out.write(target.i, &local, reach),
                 Outcome::Wider(radius) if radius * self.frame.units.length > self.seen[leaf] => {
                     self.leave(target.i);
                 }
@@ -277,7 +274,7 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     #[inline(always)]
-    fn solve<T: Terms, S: Simd, R: Machine<S, E>>(
+    fn solve<const GRADIENT: bool, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         target: &mut Target,
@@ -285,15 +282,17 @@ impl<E: Element> Sweep<'_, E> {
     ) -> Outcome {
         region.near::<S, R>(simd, self.packed.place(target.i), target.radius);
         let r = region.distances(simd);
-        match (self.law).solve::<T::Kernel, S, E, R>(simd, r, target.start, target.radius) {
-            Trial::Found(reach) => self.sums::<T, S, R>(simd, target.i, (reach, true), region),
+        match (self.law).solve::<S, E, R>(simd, r, target.start, target.radius) {
+            Trial::Found(reach) => {
+                self.sums::<GRADIENT, S, R>(simd, target.i, (reach, true), region)
+            }
             Trial::Short(number) if target.radius < self.largest && number > 0.0 => {
                 let growth = (self.law.wanted / number).powf(1.0 / self.law.d);
                 target.start = target.radius;
                 Outcome::Wider((target.radius * (SLACK * growth).clamp(1.1, 1.6)).min(self.largest))
             }
             Trial::Short(number) if number > 0.0 => {
-                self.sums::<T, S, R>(simd, target.i, (self.largest, false), region)
+                self.sums::<GRADIENT, S, R>(simd, target.i, (self.largest, false), region)
             }
             Trial::Short(_) => Outcome::Failed(target.radius),
             Trial::Failed(reach) => Outcome::Failed(reach),
@@ -302,7 +301,7 @@ impl<E: Element> Sweep<'_, E> {
 
     /// The sums over the listed neighbours of particle i at support H = `reach`; `free` says whether H follows the particles.
     #[inline(always)]
-    fn sums<T: Terms, S: Simd, R: Machine<S, E>>(
+    fn sums<const GRADIENT: bool, S: Simd, R: Machine<S, E>>(
         &self,
         simd: S,
         i: usize,
@@ -324,9 +323,9 @@ impl<E: Element> Sweep<'_, E> {
             ];
             let d = region.separations(simd, first);
             let r = load(simd, region.distances(simd), first);
-            sums.add::<T, R>(simd, &own, columns, d, r);
+            sums.add::<GRADIENT, R>(simd, &self.law, &own, columns, (d, r));
         }
-        let local = sums.local::<T, R>(&self.law, &own, free, self.hydro.domain.axes);
+        let local = sums.local::<GRADIENT, R>(&self.law, &own, free, self.hydro.domain.axes);
         Outcome::Done { local, reach }
     }
 }

@@ -3,10 +3,10 @@
 use nbody::points::Domain;
 
 use super::*;
-use crate::Kernel;
 use crate::Viscosity;
 use crate::kernel::unit_sphere;
 use crate::samples::{hydro, lattice, noisy, still};
+use crate::{CubicSpline, Kernel, KernelKind, WendlandC2};
 
 const NOW: Clock = Clock::standing(0.0);
 

@@ -2,31 +2,14 @@
 //!
 //! Every term keeps its value, or changes its sign alone, when the members of the pair change places.
 
-use std::marker::PhantomData;
-
 use fearless_simd::{Simd, SimdBase, SimdFloat};
 
 use crate::conduction::Contrast;
-use crate::formulation::Content;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
-use crate::{Hydro, Kernel};
+use crate::{Formulation, Hydro, KernelKind};
 
 /// Quads of a row: coordinates on the grid and mass; velocity and g; H, push, density, sound speed; alpha, age and steps.
 pub const QUADS: usize = 4;
-
-/// The terms that a sweep has.
-pub trait Terms: Send + Sync + 'static {
-    type Kernel: Kernel;
-    type Content: Content;
-}
-
-/// Terms by type.
-pub struct All<K, C>(PhantomData<(K, C)>);
-
-impl<K: Kernel, C: Content> Terms for All<K, C> {
-    type Kernel = K;
-    type Content = C;
-}
 
 /// What a particle brings into a pair, a value for each lane; in units of the sweep.
 pub struct Member<S: Simd, E: Real> {
@@ -55,21 +38,17 @@ pub struct Member<S: Simd, E: Real> {
 impl<S: Simd, E: Real> Member<S, E> {
     /// From the columns of some rows.
     #[inline(always)]
-    pub fn new<T: Terms, R: Machine<S, E>>(
-        simd: S,
-        columns: [[Lanes<S, E>; 4]; QUADS],
-        flux: &Flux,
-    ) -> Self {
+    pub fn new<R: Machine<S, E>>(simd: S, columns: [[Lanes<S, E>; 4]; QUADS], flux: &Flux) -> Self {
         let [[.., m], [.., g], [reach, push, rho, cs], last] = columns;
         let [alpha, age, span, next_span] = last;
         let inverse = R::reciprocal(simd, reach);
         let square = inverse * inverse;
         let fourth = square * square;
         let slope = if flux.three { fourth * inverse } else { fourth };
-        let content = T::Content::of::<S, E>(simd, m, cs, flux.square_pressure);
+        let content = (flux.formulation).contents::<S, E>(simd, m, cs, flux.square_pressure);
         let p = if flux.conducts {
             let scale = slope * same::<S, E>(simd, flux.norm);
-            T::Content::pressure::<S, E, R>(simd, push, scale, rho)
+            (flux.formulation).pressure::<S, E, R>(simd, push, scale, rho)
         } else {
             same::<S, E>(simd, 0.0)
         };
@@ -93,14 +72,14 @@ impl<S: Simd, E: Real> Member<S, E> {
 
     /// The same particle in all lanes.
     #[inline(always)]
-    pub fn alone<T: Terms, R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], flux: &Flux) -> Self {
+    pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], flux: &Flux) -> Self {
         let mut columns = [[same::<S, E>(simd, 0.0); 4]; QUADS];
         for (columns, quad) in columns.iter_mut().zip(row) {
             for (column, &value) in columns.iter_mut().zip(&quad.0) {
                 *column = Lanes::<S, E>::splat(simd, value);
             }
         }
-        Self::new::<T, R>(simd, columns, flux)
+        Self::new::<R>(simd, columns, flux)
     }
 }
 
@@ -146,6 +125,8 @@ fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S,
 
 /// Pressure, viscosity and conduction of a pair.
 pub struct Flux {
+    kernel: KernelKind,
+    formulation: Formulation,
     pub three: bool,
     /// Whether heat is conducted: a branch that is always the same way.
     pub conducts: bool,
@@ -162,12 +143,14 @@ pub struct Flux {
 }
 
 impl Flux {
-    pub fn new<T: Terms>(hydro: &Hydro) -> Self {
+    pub fn new(hydro: &Hydro) -> Self {
         let d = hydro.dimensions();
         Self {
             three: d == 3,
             conducts: hydro.conducts(),
-            norm: T::Kernel::norm(d),
+            kernel: hydro.kernel,
+            formulation: hydro.formulation,
+            norm: hydro.kernel.norm(d),
             square_pressure: hydro.eos.pressure_by_square(),
             beta_ratio: hydro.viscosity.ratio(),
             h_by_reach: 1.0 / hydro.support(),
@@ -177,7 +160,7 @@ impl Flux {
 
     /// The force of a pair on its member `a` by the separation, and the heat that stays with `a`, a time.
     #[inline(always)]
-    pub fn between<T: Terms, S: Simd, E: Real, R: Machine<S, E>>(
+    pub fn between<S: Simd, E: Real, R: Machine<S, E>>(
         &self,
         simd: S,
         a: &Member<S, E>,
@@ -188,8 +171,8 @@ impl Flux {
         let (zero, half, one) = (constant(0.0), constant(0.5), constant(1.0));
         let r2 = pair.r2.max(constant(E::TINY));
         let r = r2 * R::inverse_root(simd, r2);
-        let slope_a = T::Kernel::slope((r * a.inverse).min(one));
-        let slope_b = T::Kernel::slope((r * b.inverse).min(one));
+        let slope_a = self.kernel.slope((r * a.inverse).min(one));
+        let slope_b = self.kernel.slope((r * b.inverse).min(one));
         let pressure_a = a.push * (b.content - a.g) * slope_a;
         let pressure_b = b.push * (a.content - b.g) * slope_b;
         let h = (a.reach + b.reach) * constant(0.5 * self.h_by_reach);

@@ -1,6 +1,5 @@
 //! The sweep over all pairs, leaf by leaf: each particle gets what its pairs give it.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use fearless_simd::{Level, Simd, SimdBase};
@@ -9,7 +8,7 @@ use rayon::prelude::*;
 
 use super::out::Out;
 use super::pack::{Pace, nobody};
-use super::pair::{Flux, Member, QUADS, Separation, Terms};
+use super::pair::{Flux, Member, QUADS, Separation};
 use super::sums::{Even, Mixed, Sums};
 use crate::lanes::{Job, Lanes, Machine};
 use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search};
@@ -41,16 +40,15 @@ pub struct Sweep<'a, E> {
 }
 
 /// The sweep over the leaves of a branch.
-struct Branch<'a, E, T> {
+struct Branch<'a, E> {
     sweep: &'a Sweep<'a, E>,
     branch: usize,
     /// The pace of all around, unless it is mixed.
     pace: Option<Pace>,
     region: &'a mut Region<E>,
-    terms: PhantomData<T>,
 }
 
-impl<E: Element, T: Terms> Job<E> for Branch<'_, E, T> {
+impl<E: Element> Job<E> for Branch<'_, E> {
     type Output = usize;
 
     #[inline(always)]
@@ -76,13 +74,13 @@ impl<E: Element, T: Terms> Job<E> for Branch<'_, E, T> {
                 met += usize::from(match pace {
                     Some(pace) => {
                         let mut sums = Even::new(simd);
-                        sweep.target::<T, S, R, _>(simd, i, &grid, region, &mut sums);
+                        sweep.target::<S, R, _>(simd, i, &grid, region, &mut sums);
                         let total = sums.total::<R>(pace, region.count());
                         sweep.out.write(i, &total, sweep.active(i))
                     }
                     None => {
                         let mut sums = Mixed::new(simd);
-                        sweep.target::<T, S, R, _>(simd, i, &grid, region, &mut sums);
+                        sweep.target::<S, R, _>(simd, i, &grid, region, &mut sums);
                         sweep.out.write(i, &sums.total::<R>(), sweep.active(i))
                     }
                 });
@@ -93,7 +91,7 @@ impl<E: Element, T: Terms> Job<E> for Branch<'_, E, T> {
 }
 
 impl<E: Element> Sweep<'_, E> {
-    pub fn run<T: Terms>(&self, branches: &[u32]) -> usize {
+    pub fn run(&self, branches: &[u32]) -> usize {
         let branches = branches.par_iter().map(|&branch| {
             E::with_workspace(|space| {
                 let branch = branch as usize;
@@ -106,12 +104,11 @@ impl<E: Element> Sweep<'_, E> {
                     return 0;
                 }
                 let pace = self.pace(branch, around);
-                let branch = Branch::<E, T> {
+                let branch = Branch {
                     sweep: self,
                     branch,
                     pace,
                     region: &mut space.region,
-                    terms: PhantomData,
                 };
                 E::run(self.level, branch)
             })
@@ -199,7 +196,7 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     #[inline(always)]
-    fn target<T: Terms, S: Simd, R: Machine<S, E>, A: Sums<S, E>>(
+    fn target<S: Simd, R: Machine<S, E>, A: Sums<S, E>>(
         &self,
         simd: S,
         i: usize,
@@ -209,7 +206,7 @@ impl<E: Element> Sweep<'_, E> {
     ) {
         let mut row = self.packed.row(i);
         row[0] = E::moved(row[0], [0.0; 3], grid.from, grid.to);
-        let own = Member::<S, E>::alone::<T, R>(simd, &row, &self.flux);
+        let own = Member::<S, E>::alone::<R>(simd, &row, &self.flux);
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
         region.meet(simd, place, reach * reach, !self.active(i));
@@ -220,9 +217,9 @@ impl<E: Element> Sweep<'_, E> {
                 region.quad::<S, R>(simd, 2, first),
                 region.quad::<S, R>(simd, 3, first),
             ];
-            let other = Member::new::<T, R>(simd, columns, &self.flux);
+            let other = Member::new::<R>(simd, columns, &self.flux);
             let pair = Separation::new(simd, &row, &columns, grid.length, grid.velocity);
-            let flux = (self.flux).between::<T, S, E, R>(simd, &own, &other, &pair);
+            let flux = (self.flux).between::<S, E, R>(simd, &own, &other, &pair);
             let force = [
                 flux[0] * pair.d[0],
                 flux[0] * pair.d[1],

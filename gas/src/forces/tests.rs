@@ -4,7 +4,7 @@ use nbody::points::{Columns, Domain, Vec3};
 
 use super::*;
 use crate::samples::{GAMMA, hydro, lattice, noisy, still};
-use crate::{Conduction, Kernel, Viscosity};
+use crate::{Conduction, Formulation, Kernel, KernelKind, Viscosity, WendlandC2};
 
 const NOW: Clock = Clock::standing(0.0);
 
