@@ -15,10 +15,26 @@ pub use meetings::{Blocks, Encounters};
 pub use motions::{JacobiMap, Kepler, Straight};
 pub use radau::Radau;
 
-/// Moves the gas: all of it at every tick, or only what gas that is active may meet.
+/// Moves the gas: all of it at the ticks at which somebody looks at it, else only what gas that is active may meet.
 pub struct DriftGas {
     /// Whether others look at all gas at every tick.
-    pub whole: bool,
+    pub always: bool,
+    /// Whether gas, dust and bodies look at all gas when they feel the field: gas at the end of its step, or of that of the field.
+    pub observers: [bool; 3],
+}
+
+impl DriftGas {
+    fn whole(&self, system: &System) -> bool {
+        let [gas, dust, bodies] = self.observers;
+        let (own, clock) = (&system.gas, &system.clock);
+        self.always
+            || clock.synchronous()
+            || bodies && system.bodies_active()
+            || dust && system.dust.particles.end.contains(&clock.tick)
+            || gas
+                && (!own.has_field() && own.particles.end.contains(&clock.tick)
+                    || own.field_due(clock))
+    }
 }
 
 impl Operator for DriftGas {
@@ -32,7 +48,7 @@ impl Operator for DriftGas {
 
     fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        if self.whole || system.clock.synchronous() {
+        if self.whole(system) {
             system.gas.arrive(&system.domain, &system.clock);
         }
         Ok(true)

@@ -64,6 +64,8 @@ pub struct Plan {
     pub mutual: Mutual,
     /// Whether reports want what the kick leaves out of the bodies' accelerations.
     pub held_back: bool,
+    /// Whether the tree's field on the gas has steps of its own.
+    pub field_steps: bool,
 }
 
 /// Where the bodies' pulls on each other are.
@@ -101,9 +103,17 @@ impl Gravity {
         }
     }
 
-    /// Whether all gas is looked at whenever anybody is active.
-    pub fn sees_gas(&self) -> bool {
-        (self.fields.iter()).any(|field| field.sources[0] || field.targets[0])
+    /// Who looks at all gas whenever they feel a field: gas, dust and bodies.
+    pub fn observers(&self) -> [bool; 3] {
+        let mut observers = [false; 3];
+        for field in &self.fields {
+            if field.sources[0] || field.targets[0] {
+                for (observer, target) in observers.iter_mut().zip(field.targets) {
+                    *observer |= target;
+                }
+            }
+        }
+        observers
     }
 
     /// All pulls of all on whoever is active, but for those that belong to a drift; potentials if they are to be reported.
@@ -117,6 +127,9 @@ impl Gravity {
             }
         }
         for field in &mut self.fields {
+            if !field.is_due(system) {
+                continue;
+            }
             meter.enter(Phase::Tree);
             field.update(system, &self.plan);
             meter.enter(Phase::Gravity);
@@ -176,6 +189,7 @@ impl Operator for Gravity {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         let alone = system.gas.is_empty() && system.dust.is_empty();
+        self.make_room(system);
         silence(system);
         match &mut self.changeover {
             Some(changeover) if alone => {
@@ -198,6 +212,14 @@ impl Operator for Gravity {
 }
 
 impl Gravity {
+    /// Makes room in the columns of gas that gravity fills.
+    fn make_room(&self, system: &mut System) {
+        let field = self.fields.iter().any(|field| field.targets[0]);
+        let heavy = self.plan.pulls[STAR][0] || self.plan.pulls[PLANETS][0];
+        let apart = field && self.plan.field_steps;
+        system.gas.feel(heavy || field && !apart, apart);
+    }
+
     /// Keeps for a report what the kick leaves out of the bodies' pulls on each other.
     fn hold_back(&mut self, system: &mut System) {
         let mut held = std::mem::take(&mut system.held_back);
@@ -219,7 +241,9 @@ impl Gravity {
 fn silence(system: &mut System) {
     let (clock, synchronous) = (system.clock.tick, system.clock.synchronous());
     let bodies_active = system.bodies_active();
-    system.gas.pull(|_, _, _| Vec3::zeros());
+    if !system.gas.rates.gravity.is_empty() {
+        system.gas.pull(|_, _, _| Vec3::zeros());
+    }
     for (gravity, &end) in system
         .dust
         .rates
@@ -235,8 +259,10 @@ fn silence(system: &mut System) {
         system.bodies.a.fill(Vec3::zeros());
         system.star.a.fill(Vec3::zeros());
     }
+    let potential = &mut system.gas.rates.potential;
+    potential.clear();
     if system.reporting {
-        system.gas.rates.potential.fill(0.0);
+        potential.resize(system.gas.particles.m.len(), 0.0);
         system.dust.rates.potential.fill(0.0);
         system.bodies.potential.fill(0.0);
     }

@@ -59,6 +59,22 @@ struct Kicked<'a> {
     active: &'a [u32],
 }
 
+impl Kicked<'_> {
+    /// Net impulse and torque of `gravity` on those that are kicked, weighted by `weight(i)`; of none where there is none.
+    fn stray(&self, gravity: &[Vec3], weight: impl Fn(usize) -> f64 + Sync) -> Stray {
+        if gravity.is_empty() {
+            return Stray::default();
+        }
+        sum::ordered(self.active.len(), Stray::default(), |range| {
+            (self.active[range].iter()).fold(Stray::default(), |sum, &i| {
+                let i = i as usize;
+                let impulse = gravity[i] * (self.m[i] * weight(i));
+                sum + Stray::at(self.x[i], impulse)
+            })
+        })
+    }
+}
+
 impl Reaction {
     /// Gives star and planets the impulse that balances their pulls on `kicked`, weighted by `weight(i)`.
     fn act(self, system: &System, kicked: &Kicked, weight: impl Fn(usize) -> f64 + Sync) -> Given {
@@ -78,13 +94,7 @@ impl Reaction {
                 own[heavy.place] += system.g * impulse;
             }
         }
-        let given = sum::ordered(active.len(), Stray::default(), |range| {
-            active[range].iter().fold(Stray::default(), |sum, &i| {
-                let i = i as usize;
-                let impulse = kicked.gravity[i] * (kicked.m[i] * weight(i));
-                sum + Stray::at(kicked.x[i], impulse)
-            })
-        });
+        let given = kicked.stray(kicked.gravity, &weight);
         let places = system.seen.star_x.iter().chain(&system.seen.x);
         let stray = places
             .zip(star.iter().chain(&bodies))
@@ -157,7 +167,13 @@ impl Steps {
 }
 
 impl KickGas {
-    fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
+    /// Lets star and planets react to the pulls that kick with `weight`, and notes the net effect of the field that kicks with `of_field`.
+    fn react(
+        &self,
+        system: &mut System,
+        weight: impl Fn(&System, usize) -> f64 + Sync,
+        of_field: impl Fn(&System, usize) -> f64 + Sync,
+    ) {
         let gas = &system.gas.particles;
         let kicked = Kicked {
             x: &gas.x,
@@ -166,7 +182,15 @@ impl KickGas {
             gravity: &system.gas.rates.gravity,
             active: system.gas.active_ones(),
         };
-        let given = self.reaction.act(system, &kicked, |i| weight(system, i));
+        let mut given = self.reaction.act(system, &kicked, |i| weight(system, i));
+        let field = kicked.stray(&system.gas.rates.field, |i| {
+            if system.gas.field_ends(&system.clock, i) {
+                of_field(system, i)
+            } else {
+                0.0
+            }
+        });
+        given.stray = given.stray + field;
         receive(system, given);
     }
 
@@ -210,9 +234,11 @@ impl Operator for KickGas {
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
         self.book(system, |system| {
-            self.react(system, |s, i| {
-                s.closing(s.gas.particles.begin[i], s.gas.particles.span[i])
-            });
+            self.react(
+                system,
+                |s, i| s.closing(s.gas.particles.begin[i], s.gas.particles.span[i]),
+                |s, i| s.gas.field_closing(&s.clock, i),
+            );
             let heat = system.gas.close(&self.hydro, &system.clock);
             system.ledger.take(heat);
         });
@@ -222,7 +248,11 @@ impl Operator for KickGas {
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
         self.book(system, |system| {
-            self.react(system, |s, i| s.opening(s.gas.rates.next_span[i]));
+            self.react(
+                system,
+                |s, i| s.opening(s.gas.rates.next_span[i]),
+                |s, i| s.opening(s.gas.rates.next_field_span[i]),
+            );
             let heat = system.gas.open(&self.hydro, &system.clock, &system.next);
             system.ledger.take(heat);
         });

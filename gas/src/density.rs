@@ -91,6 +91,9 @@ impl Gas {
             Formulation::Density => self.derived.p_ratio.clear(),
             Formulation::Pressure => self.derived.p_ratio.resize(n, 1.0),
         }
+        if hydro.viscosity.switches() {
+            self.derived.curl_v.resize(n, 0.0);
+        }
         if hydro.viscosity.wants_gradient() {
             self.particles.trace_v.resize(n, 0.0);
         }

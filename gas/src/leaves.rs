@@ -15,6 +15,7 @@ use nbody::points::tree::Node;
 use nbody::points::{Clock, Domain, Vec3};
 use rayon::prelude::*;
 
+use crate::field::Pulls;
 use crate::{Derived, Gas, Particles, Rates};
 
 /// The tick of gas that is new: it stands where it stands at the first tick that it is asked for.
@@ -111,7 +112,7 @@ struct Drift<'a> {
     u: Parts<'a, f64>,
     v: &'a [Vec3],
     hydro: &'a [Vec3],
-    gravity: &'a [Vec3],
+    pulls: Pulls<'a>,
     div_v: &'a [f64],
     du: &'a [f64],
 }
@@ -132,7 +133,10 @@ impl<'a> Drift<'a> {
             u: Parts::new(&mut rates.u_pred),
             v: &particles.v,
             hydro: &rates.hydro,
-            gravity: &rates.gravity,
+            pulls: Pulls {
+                gravity: &rates.gravity,
+                field: &rates.field,
+            },
             div_v: &derived.div_v,
             du: &rates.du,
         }
@@ -160,7 +164,7 @@ impl<'a> Drift<'a> {
         leaf.h = 0.0;
         for (k, i) in range.enumerate() {
             x[k] += dt * self.domain.in_plane(self.v[i]);
-            v_pred[k] += dt * (self.hydro[i] + self.gravity[i]);
+            v_pred[k] += dt * (self.hydro[i] + self.pulls.of(i));
             let stretch = (self.div_v[i] * dt / f64::from(d)).exp();
             h[k] *= stretch;
             rho[k] /= stretch.powi(d);

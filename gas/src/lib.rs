@@ -4,6 +4,7 @@ pub mod alone;
 pub mod conduction;
 pub mod density;
 pub mod eos;
+mod field;
 pub mod forces;
 pub mod formulation;
 pub mod hydro;

@@ -9,7 +9,7 @@ use fearless_simd::Level;
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve, MANY};
 use nbody::points::sum::CHUNK;
-use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
+use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree, Vec3};
 use rayon::prelude::*;
 
 use crate::forces::Pace;
@@ -43,6 +43,10 @@ columns! {
         span: Short = Label::checkpoint("StepSpans", Dimension::NONE, "planned length of the step in ticks"),
         /// tick at which the present step ends; earlier than planned when woken
         end: Short = Label::checkpoint("StepEnds", Dimension::NONE, "tick at which the step ends"),
+        /// tick at which the present step of the field began, where the field has steps of its own
+        field_begin: Short = Label::checkpoint("FieldStepBegins", Dimension::NONE, "tick at which the step of the field began").optional(),
+        /// length of the present step of the field in ticks
+        field_span: Short = Label::checkpoint("FieldStepSpans", Dimension::NONE, "length of the step of the field in ticks").optional(),
     }
 }
 
@@ -59,8 +63,8 @@ columns! {
         grad_h: Real = Label::checkpoint("GradHTerms", Dimension::NONE, "grad-h correction"),
         /// divergence of the velocity
         div_v: Real = Label::checkpoint("VelocityDivergences", Dimension::RATE, "divergence of the velocity"),
-        /// modulus of the curl of the velocity
-        curl_v: Real = Label::checkpoint("VelocityCurls", Dimension::RATE, "modulus of the curl of the velocity"),
+        /// modulus of the curl of the velocity, where a switch asks for it
+        curl_v: Real = Label::checkpoint("VelocityCurls", Dimension::RATE, "modulus of the curl of the velocity").optional(),
         /// largest signal speed towards a neighbour
         v_sig: Real = Label::checkpoint("SignalSpeeds", Dimension::VELOCITY, "largest signal speed towards a neighbour"),
         /// pressure of the formulation by that of density and energy, where they are two
@@ -79,10 +83,12 @@ columns! {
         u_pred: Real = Label::checkpoint("PredictedInternalEnergies", Dimension::SPECIFIC_ENERGY, "internal energy predicted to now"),
         /// acceleration by pressure and viscosity
         hydro: Vector = Label::checkpoint("HydroAccelerations", Dimension::ACCELERATION, "acceleration by pressure and viscosity"),
-        /// acceleration by gravity of everything
-        gravity: Vector = Label::checkpoint("GravitationalAccelerations", Dimension::ACCELERATION, "acceleration by gravity"),
-        /// gravitational potential
-        potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential"),
+        /// acceleration by gravity that has the steps of the forces
+        gravity: Vector = Label::checkpoint("GravitationalAccelerations", Dimension::ACCELERATION, "acceleration by gravity").optional(),
+        /// acceleration by the field that has steps of its own
+        field: Vector = Label::checkpoint("FieldAccelerations", Dimension::ACCELERATION, "acceleration by the field of all masses").optional(),
+        /// gravitational potential, while it is reported
+        potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential").optional(),
         /// rate of change of the specific internal energy
         du: Real = Label::checkpoint("HeatingRates", Dimension::SPECIFIC_POWER, "rate of change of the specific internal energy"),
         /// change of velocity that closes the pairs' steps ending now
@@ -95,6 +101,8 @@ columns! {
         du_open: Real = Label::checkpoint("OpeningHeat", Dimension::SPECIFIC_ENERGY, "change of internal energy that opens steps"),
         /// length of the step that begins now, in ticks
         next_span: Short = Label::checkpoint("NextSpans", Dimension::NONE, "length of the step that begins now in ticks"),
+        /// length of the step of the field that begins now, in ticks
+        next_field_span: Short = Label::checkpoint("NextFieldSpans", Dimension::NONE, "length of the step of the field that begins now in ticks").optional(),
     }
 }
 
@@ -178,6 +186,10 @@ impl Gas {
 
     /// Brings all columns into the order of the Morton curve and builds the tree anew.
     pub fn sort(&mut self) {
+        if self.len() > MANY {
+            // Sweeps fill it anew: until then its memory serves to sort.
+            self.packed = Both::default();
+        }
         let cube = Cube::around(&self.particles.x);
         self.curve.thread(&self.particles.x, cube);
         self.cube = Some(cube);
@@ -235,7 +247,7 @@ impl Gas {
     }
 
     /// Acceleration by everything but drag, of particle i.
-    pub fn acceleration(&self, i: usize) -> nbody::points::Vec3 {
-        self.rates.hydro[i] + self.rates.gravity[i]
+    pub fn acceleration(&self, i: usize) -> Vec3 {
+        self.rates.hydro[i] + self.rates.attraction(i)
     }
 }

@@ -1,7 +1,7 @@
 //! Time steps of the gas: how long they are, and the kicks and drifts that they are made of.
 //!
 //! dt <= 2 C h / v_sig,   dt <= C_f sqrt(h / |hydro + gravity - a_star|),   dt <= C_o / Omega about the star,
-//! dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009)
+//! dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009);   a [`field`](crate::field) with steps of its own has no part in a
 //!
 //! At a tick: `density`, `steps`, `forces`, `close`, `open`; then `refit` to the next tick, where who is looked at has drifted. A closed synchronous step has x, v
 //! and u at one time. Pair impulses also reach particles in mid-step; gravity of a particle is kicked at its own ends. Second order.
@@ -74,19 +74,34 @@ impl Gas {
         pacing: &Pacing,
     ) -> Result<u32, Fault> {
         let mut next_span = std::mem::take(&mut self.rates.next_span);
+        let mut next_field_span = std::mem::take(&mut self.rates.next_field_span);
         let chosen = Parts::new(&mut next_span);
+        let chosen_field = Parts::new(&mut next_field_span);
         let active = &self.vicinity.active;
         let shortest = sum::ordered(active.len(), Shortest::default(), |range| {
             active[range].iter().fold(Shortest::default(), |least, &i| {
                 let i = i as usize;
                 let dt = self.wanted_step(hydro, clock, pacing, i);
-                let span = next.span(dt).unwrap_or(0);
+                let mut span = next.span(dt).unwrap_or(0);
+                if self.has_field() {
+                    let whole = if self.field_ends(clock, i) {
+                        let dt = self.wanted_field_step(hydro, pacing, i);
+                        let whole = next.span(dt).unwrap_or(0);
+                        // SAFETY: each active particle is listed once.
+                        unsafe { chosen_field.part(i..i + 1)[0] = whole };
+                        whole
+                    } else {
+                        self.particles.field_span[i]
+                    };
+                    span = span.min(whole);
+                }
                 // SAFETY: each active particle is listed once.
                 unsafe { chosen.part(i..i + 1)[0] = span };
                 least + Shortest { span, of: i }
             })
         });
         self.rates.next_span = next_span;
+        self.rates.next_field_span = next_field_span;
         let Shortest { span, of } = shortest;
         if span > 0 {
             return Ok(span);
@@ -94,7 +109,13 @@ impl Gas {
         Err(Fault::StepTooSmall {
             population: Population::Gas,
             id: self.particles.id[of],
-            step: self.wanted_step(hydro, clock, pacing, of),
+            step: self
+                .wanted_step(hydro, clock, pacing, of)
+                .min(if self.has_field() {
+                    self.wanted_field_step(hydro, pacing, of)
+                } else {
+                    f64::INFINITY
+                }),
             shortest: next.unit(),
             time: clock.time(),
         })
@@ -105,8 +126,8 @@ impl Gas {
         let x = self.particles.x[i];
         let (h, near) = (self.particles.h[i], self.derived.near_span[i]);
         let courant = 2.0 * hydro.courant * h / self.derived.v_sig[i];
-        let force =
-            hydro.force_factor * (h / (self.acceleration(i) - pacing.central(x)).norm()).sqrt();
+        let own = self.rates.hydro[i] + self.rates.steady(i);
+        let force = hydro.force_factor * (h / (own - pacing.central(x)).norm()).sqrt();
         if courant.is_nan() || force.is_nan() {
             return f64::NAN;
         }
@@ -138,6 +159,8 @@ impl Gas {
         self.particles.begin.fill(0);
         self.particles.span.fill(0);
         self.particles.end.fill(0);
+        self.particles.field_begin.fill(0);
+        self.particles.field_span.fill(0);
         self.now = UNSEEN;
         self.bound();
     }

@@ -5,13 +5,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use nbody::points::sum::{CHUNK, Parts};
-use nbody::points::{Clock, Tree, Vec3};
+use nbody::points::{Clock, Tree};
 use rayon::prelude::*;
 
 use crate::leaves::FEW;
 use crate::neighbours::branches;
-use crate::{Gas, Hydro, Particles};
+use crate::{Gas, Hydro};
 
 /// How far active particles look for neighbours, in units of the largest predicted support of their leaf.
 const MARGIN: f64 = 1.1;
@@ -172,18 +171,6 @@ impl Gas {
     /// The leaves that these may meet: what kicks change now.
     pub fn near(&self) -> &[u32] {
         &self.vicinity.near
-    }
-
-    /// Gives each active particle the gravity `pull(its gravity, its place)`.
-    pub fn pull(&mut self, pull: impl Fn(Vec3, &Particles, usize) -> Vec3 + Sync) {
-        let (particles, gravity) = (&self.particles, Parts::new(&mut self.rates.gravity));
-        let active = self.vicinity.active.par_iter().with_min_len(CHUNK);
-        active.for_each(|&i| {
-            let i = i as usize;
-            // SAFETY: each active particle is listed once.
-            let own = unsafe { &mut gravity.part(i..i + 1)[0] };
-            *own = pull(*own, particles, i);
-        });
     }
 }
 

@@ -57,6 +57,11 @@ impl Viscosity {
         }
     }
 
+    /// Whether it looks at how the gas turns.
+    pub fn switches(&self) -> bool {
+        matches!(self, Self::Balsara { .. } | Self::CullenDehnen { .. })
+    }
+
     /// Whether it follows the linear-exact gradient of the velocity.
     pub fn wants_gradient(&self) -> bool {
         matches!(self, Self::CullenDehnen { .. })

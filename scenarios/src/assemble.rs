@@ -257,16 +257,19 @@ fn operators(
         list.push(Box::new(Density { hydro }));
     }
     let plan = plan(scene, integrator, step);
-    let mut watched = false;
+    let mut drift = DriftGas {
+        always: false,
+        observers: [false; 3],
+    };
     if plan.tree.is_some() || bodies {
         let gravity = Gravity::new(plan.clone());
-        watched |= gravity.sees_gas();
+        drift.observers = gravity.observers();
         list.push(Box::new(gravity));
     }
     if let (true, true, Some(d), Some(hydro)) =
         (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro)
     {
-        watched = true;
+        drift.always = true;
         list.push(Box::new(DustDrag::new(
             populate::dust_law(scene, d),
             &hydro,
@@ -279,7 +282,7 @@ fn operators(
         &scene.planetesimals,
         hydro,
     ) {
-        watched = true;
+        drift.always = true;
         list.push(Box::new(BodyDrag::new(
             populate::body_law(scene, p),
             &hydro,
@@ -320,7 +323,7 @@ fn operators(
             reaction: reaction(Mass::Gas, plan.gas),
             pacing,
         }));
-        list.push(Box::new(DriftGas { whole: watched }));
+        list.push(Box::new(drift));
     }
     if dust {
         list.push(Box::new(DriftDust));
@@ -473,5 +476,6 @@ fn plan(scene: &Scene, integrator: Integrator, step: f64) -> Plan {
         star_in_kick: integrator == Integrator::Leapfrog,
         mutual,
         held_back: scene.run.write_accelerations,
+        field_steps: scene.gravity.separate_steps,
     }
 }

@@ -168,8 +168,8 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         coupling: gravity::no_coupling(),
         accuracy,
     };
-    let scene = gravity::with_gravity(scene, &root, &facts);
     let scene = gravity::with_coupling(scene, &root);
+    let scene = gravity::with_gravity(scene, &root, &facts);
     root.close();
     scene
 }

@@ -409,6 +409,8 @@ pub struct Gravity {
     /// G in code units.
     pub constant: f64,
     pub pulls: Pulls,
+    /// Whether the field of fluids and planetesimals kicks the gas at steps of its own (FAST).
+    pub separate_steps: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

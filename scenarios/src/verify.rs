@@ -1,5 +1,6 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
+mod field_steps;
 pub mod gas;
 mod orbits;
 mod secular;
@@ -102,7 +103,7 @@ pub struct Problem {
     rows: fn() -> Vec<Row>,
 }
 
-pub const PROBLEMS: [Problem; 10] = [
+pub const PROBLEMS: [Problem; 11] = [
     Problem {
         name: "sod",
         about: "shock tube of 57 600 particles in both precisions; about 1 minute",
@@ -116,7 +117,7 @@ pub const PROBLEMS: [Problem; 10] = [
     Problem {
         name: "evrard",
         about: "cold collapse of 14 328 particles in both precisions; about 2 minutes",
-        rows: gas::evrard,
+        rows: gas::evrard::rows,
     },
     Problem {
         name: "wide-disk",
@@ -127,6 +128,11 @@ pub const PROBLEMS: [Problem; 10] = [
         name: "individual-steps",
         about: "what individual time steps save in a gas disk from 0.1 to 10 au, at equal error, 20 000 particles; about 2 minutes",
         rows: steps::rows,
+    },
+    Problem {
+        name: "field-steps",
+        about: "steps of the tree's field apart from those of the forces, in a collapse and a disk; about 3 minutes",
+        rows: field_steps::rows,
     },
     Problem {
         name: "orbits",

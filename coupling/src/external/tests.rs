@@ -77,6 +77,7 @@ fn advance(system: &mut System, operator: Box<dyn Operator>, step: f64, end: f64
         star_in_kick: false,
         mutual: Mutual::Kick,
         held_back: false,
+        field_steps: false,
     };
     let mut splitting = Splitting::new(vec![
         Box::new(Gravity::new(plan)),

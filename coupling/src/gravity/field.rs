@@ -38,6 +38,22 @@ impl Field {
         }
     }
 
+    /// Whether anybody feels the field now: else the tree may stay as it is.
+    pub fn is_due(&self, system: &System) -> bool {
+        let [gas, dust, bodies] = self.targets;
+        let clock = &system.clock;
+        let ends = |column: &[u32]| column.contains(&clock.tick);
+        clock.synchronous()
+            || bodies && system.bodies_active()
+            || dust && ends(&system.dust.particles.end)
+            || gas
+                && if system.gas.has_field() {
+                    system.gas.field_due(clock)
+                } else {
+                    ends(&system.gas.particles.end)
+                }
+    }
+
     /// Brings the tree to the present positions: anew when everybody is active or the numbers have changed.
     pub fn update(&mut self, system: &System, plan: &Plan) {
         self.x.clear();
@@ -93,6 +109,7 @@ impl Field {
         for k in 0..3 {
             if self.targets[k] {
                 let active = |i: usize| match k {
+                    0 if system.gas.has_field() => system.gas.field_ends(&system.clock, i),
                     0 => system.active(system.gas.particles.end[i]),
                     1 => system.active(system.dust.particles.end[i]),
                     // Planets feel nothing through the tree: they receive what they do to others, unless they do nothing.
@@ -127,10 +144,18 @@ impl Field {
         meter.count(n, count.interactions);
         let numbers = self.built.unwrap_or_default();
         let potential = |k: usize| self.potential.get(k).copied().unwrap_or(0.0);
+        let gas = &mut system.gas.rates;
+        let felt = if gas.field.is_empty() {
+            &mut gas.gravity
+        } else {
+            &mut gas.field
+        };
         for k in 0..ends[0] {
             let i = self.active[k] as usize;
-            system.gas.rates.gravity[i] = self.acceleration[k];
-            system.gas.rates.potential[i] = potential(k);
+            felt[i] = self.acceleration[k];
+            if system.reporting {
+                gas.potential[i] = potential(k);
+            }
         }
         for k in ends[0]..ends[1] {
             let i = self.active[k] as usize - numbers[0];

@@ -21,6 +21,7 @@ struct Columns<'a> {
     div_v: Parts<'a, f64>,
     /// Empty without the switch that needs it.
     trace_v: Parts<'a, f64>,
+    /// Empty without a switch.
     curl_v: Parts<'a, f64>,
     v_sig: Parts<'a, f64>,
     near_span: Parts<'a, u32>,
@@ -119,7 +120,9 @@ impl<'a> Out<'a> {
             }
             out.grad_h.part(own.clone())[0] = local.grad_h;
             out.div_v.part(own.clone())[0] = flow.div_v;
-            out.curl_v.part(own.clone())[0] = flow.curl_v;
+            if self.hydro.viscosity.switches() {
+                out.curl_v.part(own.clone())[0] = flow.curl_v;
+            }
             out.v_sig.part(own.clone())[0] = local.v_sig * self.velocity;
             // Infinite without neighbours: the cast saturates.
             out.near_span.part(own)[0] = local.near_span as u32;

@@ -90,12 +90,13 @@ fn check_against_direct_sums<K: Kernel>(hydro: &Hydro) {
 
 #[test]
 fn sums_equal_those_over_all_pairs() {
-    for axes in [[true; 3], [true, true, false], [true, false, true]] {
+    for axes in [[true; 3], [true, true, false]] {
         let domain = Domain::periodic(Vec3::repeat(1.0)).with_axes(axes);
-        if axes == [true, false, true] {
-            continue;
-        }
         let mut hydro = hydro(domain);
+        hydro.viscosity = Viscosity::Balsara {
+            alpha: 1.0,
+            beta: 2.0,
+        };
         check_against_direct_sums::<WendlandC2>(&hydro);
         check_against_direct_sums::<WendlandC2>(&Hydro {
             formulation: Formulation::Pressure,
@@ -133,7 +134,7 @@ fn a_lattice_has_its_density() {
 fn stretched_gas_diverges_and_turning_gas_curls() {
     let (alpha, beta) = (1.0, 2.0);
     for viscosity in [
-        Viscosity::Constant { alpha, beta },
+        Viscosity::Balsara { alpha, beta },
         Viscosity::CullenDehnen { alpha, beta },
     ] {
         check_linear_flow(&Hydro {

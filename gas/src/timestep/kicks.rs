@@ -5,6 +5,7 @@ use nbody::points::{Clock, Vec3, clock};
 use rayon::prelude::*;
 
 use super::{Heat, LEAST_PART};
+use crate::field::Pulls;
 use crate::leaves::FEW;
 use crate::{Gas, Hydro};
 
@@ -17,6 +18,9 @@ struct Kicked<'a> {
     begin: &'a mut [u32],
     span: &'a mut [u32],
     end: &'a mut [u32],
+    /// Empty where no field has steps of its own.
+    field_begin: &'a mut [u32],
+    field_span: &'a mut [u32],
 }
 
 impl Kicked<'_> {
@@ -43,6 +47,18 @@ impl Kicked<'_> {
         }
         self.v_pred[k] = self.v[k];
     }
+
+    /// Closes the step of the field `pull` on particle k at its end; before that, the particle is seen as if it had been kicked all the while.
+    fn close_field(&mut self, clock: &Clock, k: usize, pull: Vec3) {
+        let (begin, span) = (self.field_begin[k], self.field_span[k]);
+        let change = clock::closing(clock.tick, begin, span) * clock.unit() * pull;
+        if clock.synchronous() || begin + span == clock.tick {
+            self.v[k] += change;
+            self.v_pred[k] = self.v[k];
+        } else {
+            self.v_pred[k] = self.v[k] + change;
+        }
+    }
 }
 
 /// What tells a kick about a particle.
@@ -50,7 +66,8 @@ struct Impulses<'a> {
     m: &'a [f64],
     dv: &'a [Vec3],
     du: &'a [f64],
-    gravity: &'a [Vec3],
+    pulls: Pulls<'a>,
+    next_field_span: &'a [u32],
     next_span: &'a [u32],
     wake: &'a [u32],
 }
@@ -64,11 +81,14 @@ impl Gas {
             let active = ending(kicked.end[k]);
             if active {
                 let ticks = clock::closing(clock.tick, kicked.begin[k], kicked.span[k]);
-                kicked.v[k] += ticks * clock.unit() * given.gravity[i];
+                kicked.v[k] += ticks * clock.unit() * given.pulls.gravity(i);
             }
             kicked.warm(hydro, k, (given.m[i], given.du[i]), heat);
             if active {
                 kicked.settle(hydro, k, given.m[i], heat);
+                if let Some(&pull) = given.pulls.field.get(i) {
+                    kicked.close_field(clock, k, pull);
+                }
             }
         })
     }
@@ -80,7 +100,15 @@ impl Gas {
             kicked.v[k] += given.dv[i];
             if ending(kicked.end[k]) {
                 let span = given.next_span[i];
-                kicked.v[k] += clock::opening(span) * next.unit() * given.gravity[i];
+                kicked.v[k] += clock::opening(span) * next.unit() * given.pulls.gravity(i);
+                if let Some(&pull) = given.pulls.field.get(i)
+                    && (clock.synchronous()
+                        || kicked.field_begin[k] + kicked.field_span[k] == clock.tick)
+                {
+                    let span = given.next_field_span[i];
+                    kicked.v[k] += clock::opening(span) * next.unit() * pull;
+                    (kicked.field_begin[k], kicked.field_span[k]) = (next.tick, span);
+                }
                 kicked.begin[k] = next.tick;
                 kicked.span[k] = span;
                 kicked.end[k] = next.tick + span;
@@ -103,7 +131,11 @@ impl Gas {
             m: &p.m,
             dv: if closing { &r.dv_close } else { &r.dv_open },
             du: if closing { &r.du_close } else { &r.du_open },
-            gravity: &r.gravity,
+            pulls: Pulls {
+                gravity: &r.gravity,
+                field: &r.field,
+            },
+            next_field_span: &r.next_field_span,
             next_span: &r.next_span,
             wake: &self.wake,
         };
@@ -114,10 +146,13 @@ impl Gas {
             Parts::new(&mut p.span),
             Parts::new(&mut p.end),
         );
+        let of_field = [&mut p.field_begin, &mut p.field_span].map(|column| Parts::new(column));
+        let has_field = !r.field.is_empty();
         let nodes = &self.tree.nodes;
         let near = self.vicinity.near.par_iter().with_min_len(FEW);
         let of_leaf = |&leaf: &u32| {
             let own = nodes[leaf as usize].range();
+            let of_own = if has_field { own.clone() } else { 0..0 };
             // SAFETY: leaves have no particles in common.
             let mut kicked = unsafe {
                 Kicked {
@@ -128,6 +163,8 @@ impl Gas {
                     begin: begin.part(own.clone()),
                     span: span.part(own.clone()),
                     end: end.part(own.clone()),
+                    field_begin: of_field[0].part(of_own.clone()),
+                    field_span: of_field[1].part(of_own),
                 }
             };
             let mut heat = Heat::default();

@@ -35,6 +35,7 @@ pub fn none(constant: f64) -> Gravity {
         opening: Opening::ForceError(1e-3),
         constant,
         pulls: Pulls::default(),
+        separate_steps: false,
     }
 }
 
@@ -82,14 +83,36 @@ pub fn with_gravity(mut scene: Scene, root: &Section<'_>, facts: &Facts) -> Scen
     } else {
         GravityMethod::Tree
     });
+    let pulls = pulls(&section, &scene, method);
     scene.gravity = Gravity {
         method,
         opening: opening(&section, facts),
         constant: facts.gravity,
-        pulls: pulls(&section, &scene, method),
+        separate_steps: separate_steps(&section, &scene, &pulls),
+        pulls,
     };
     section.close();
     scene
+}
+
+/// Whether the field of fluids and planetesimals kicks the gas at steps of its own. Drag compares velocities in the middle of such steps.
+fn separate_steps(section: &Section<'_>, scene: &Scene, pulls: &Pulls) -> bool {
+    let wanted = section.flag("separate_steps");
+    let sources = [Mass::Gas, Mass::Dust, Mass::Planetesimals];
+    let felt = sources.iter().any(|&mass| pulls.has(mass, Mass::Gas));
+    let drag = scene.coupling.gas_dust || scene.coupling.gas_planetesimals;
+    if wanted == Some(true) && drag {
+        section.wrong(
+            "separate_steps",
+            "has no place beside drag on the gas, which needs velocities at the steps of its forces",
+        );
+    } else if wanted == Some(true) && !felt {
+        section.wrong(
+            "separate_steps",
+            "has no effect without gas that gas, dust or planetesimals pull",
+        );
+    }
+    felt && !drag && wanted.unwrap_or(true)
 }
 
 fn opening(section: &Section<'_>, facts: &Facts) -> Opening {

@@ -139,6 +139,8 @@ struct Extra {
     swarm_numbers: Vec<f64>,
     body_densities: Vec<f64>,
     accelerations: [Vec<Vec3>; 4],
+    /// Empty where nothing pulls the gas.
+    gravity_of_gas: Vec<Vec3>,
 }
 
 const TEMPERATURE: Label = Label::snapshot("Temperatures", Dimension::TEMPERATURE, "temperature");
@@ -176,9 +178,13 @@ impl Extra {
             swarm_numbers: dust_numbers(&dust.m, &dust.grain_radius, &dust.grain_density),
             body_densities: (0..bodies.len()).map(|i| bodies.mean_density(i)).collect(),
             accelerations: Default::default(),
+            gravity_of_gas: Vec::new(),
         };
         if scene.run.write_accelerations {
             let star = central_pulls(system);
+            if gas.rates.gravity.len() + gas.rates.field.len() > 0 {
+                extra.gravity_of_gas = (0..gas.len()).map(|i| gas.rates.attraction(i)).collect();
+            }
             extra.accelerations = [
                 (0..gas.len()).map(|i| gas.acceleration(i)).collect(),
                 system.dust.rates.gravity.clone(),
@@ -198,8 +204,11 @@ impl Extra {
                 if !moving {
                     return group;
                 }
+                let group = group.with_column(ACCELERATION, ColumnRef::Vector(all));
+                if gravity.is_empty() {
+                    return group;
+                }
                 group
-                    .with_column(ACCELERATION, ColumnRef::Vector(all))
                     .with_column(GRAVITY, ColumnRef::Vector(gravity))
                     .with_column(POTENTIAL, ColumnRef::Real(potential))
             };
@@ -210,7 +219,7 @@ impl Extra {
             groups.push(forces(
                 group,
                 a_gas,
-                &gas.rates.gravity,
+                &self.gravity_of_gas,
                 &gas.rates.potential,
             ));
         }

@@ -3,11 +3,10 @@
 //! Errors are those of the run in double precision; the difference is what the run in single precision makes of the same quantity, and should
 //! be ten times smaller than the error at least. Where particles keep their order it is taken particle by particle, else between means.
 
-mod evrard;
+pub mod evrard;
 mod gresho;
 pub mod sod;
 
-pub use evrard::rows as evrard;
 pub use gresho::rows as gresho;
 pub use sod::rows as sod;
 

@@ -4,7 +4,7 @@ use nbody::points::Boundary;
 
 use super::text::Text;
 use crate::read::gravity::MASSES;
-use crate::scene::{GravityMethod, Opening, Preset, Scene, Snapshots};
+use crate::scene::{GravityMethod, Mass, Opening, Preset, Scene, Snapshots};
 use crate::units::System;
 
 pub fn frame(text: &mut Text, scene: &Scene) {
@@ -75,6 +75,9 @@ pub fn forces(text: &mut Text, scene: &Scene) {
         Opening::Angle(angle) => text.number("opening_angle", angle),
     }
     text.number("constant", gravity.constant);
+    if scene.has(Mass::Gas) {
+        text.raw("separate_steps", gravity.separate_steps);
+    }
     if gravity.method != GravityMethod::None {
         text.table("gravity.pulls");
         for (name, source) in MASSES.into_iter().filter(|(_, mass)| scene.has(*mass)) {

@@ -10,7 +10,7 @@ use nbody::points::Columns;
 use super::{Bar, End, Row, both, pair, solo};
 
 /// The scene with so many cells a diameter.
-fn scene(cells: u32) -> String {
+pub fn scene(cells: u32) -> String {
     format!(
         r#"
 title = "Evrard's collapse"
@@ -40,7 +40,7 @@ force_error = 1e-3
     )
 }
 
-fn sphere(gas: &mut Particles) {
+pub fn sphere(gas: &mut Particles) {
     let inside: Vec<bool> = gas.x.iter().map(|x| x.norm() < 1.0).collect();
     gas.retain(&inside);
     let n = gas.x.len();
