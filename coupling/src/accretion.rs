@@ -32,7 +32,11 @@ pub struct Event {
 
 /// Removes what lies within the star's accretion radius: gas and dust at every tick, bodies at theirs. The star receives mass at once,
 /// momentum at its next tick, and keeps its place.
-pub struct Accretion;
+#[derive(Default)]
+pub struct Accretion {
+    /// The members of each population that are accreted.
+    inside: [Vec<usize>; 3],
+}
 
 impl Operator for Accretion {
     fn name(&self) -> &'static str {
@@ -49,15 +53,20 @@ impl Operator for Accretion {
             return Ok(false);
         }
         // Gas and dust at every tick: inside, their steps would become ever shorter.
-        let populations = 0..if system.bodies_active() { 3 } else { 2 };
-        let inside: Vec<_> = populations.map(|k| inside(system, k)).collect();
-        if inside.iter().all(Vec::is_empty) {
+        let populations = if system.bodies_active() { 3 } else { 2 };
+        for (population, inside) in self.inside.iter_mut().enumerate() {
+            inside.clear();
+            if population < populations {
+                seek(system, population, inside);
+            }
+        }
+        if self.inside.iter().all(Vec::is_empty) {
             return Ok(false);
         }
         system.gas.arrive(&system.domain, &system.clock);
         let census = Census::of(system);
         system.ledger.turn(census);
-        for (population, inside) in inside.iter().enumerate() {
+        for (population, inside) in self.inside.iter().enumerate() {
             if !inside.is_empty() {
                 accrete(system, population, inside);
             }
@@ -72,21 +81,21 @@ impl Operator for Accretion {
     }
 }
 
-/// The members of one population within the star's accretion radius.
-fn inside(system: &mut System, population: usize) -> Vec<usize> {
+/// Lists the members of one population within the star's accretion radius.
+fn seek(system: &mut System, population: usize, inside: &mut Vec<usize>) {
     let (centre, radius) = (system.seen.star_x[0], system.star.radius[0]);
     let near = |x: Vec3| (x - centre).norm_squared() < radius * radius;
     let x = match population {
         0 => {
             let (domain, clock) = (system.domain, system.clock);
-            let mut found = system.gas.arrive_near((centre, radius), &domain, &clock);
-            found.retain(|&i| near(system.gas.particles.x[i]));
-            return found;
+            (system.gas).arrive_near((centre, radius), &domain, &clock, inside);
+            inside.retain(|&i| near(system.gas.particles.x[i]));
+            return;
         }
         1 => &system.dust.particles.x,
         _ => &system.bodies.x,
     };
-    (0..x.len()).filter(|&i| near(x[i])).collect()
+    inside.extend((0..x.len()).filter(|&i| near(x[i])));
 }
 
 /// Feeds the star with the members of one population that are `inside`.

@@ -147,6 +147,7 @@ impl Gravity {
         if system.bodies_active() {
             self.plan.pull_bodies(system, &heavies);
         }
+        system.heavies = heavies;
         if let Some(changeover) = &self.changeover
             && system.bodies_active()
         {
@@ -199,7 +200,9 @@ impl Operator for Gravity {
                 if system.reporting {
                     let idle = self.plan.pulls[PLANETESIMALS][PLANETS];
                     changeover::leave_planets(system, idle);
-                    add_potentials(system, &self.plan, &heavies(system));
+                    let heavies = heavies(system);
+                    add_potentials(system, &self.plan, &heavies);
+                    system.heavies = heavies;
                 }
             }
             _ => self.pull(system, meter),

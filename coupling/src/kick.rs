@@ -8,7 +8,7 @@ use nbody::points::clock::Pacing;
 use nbody::points::{Clock, Fault, Vec3, sum};
 
 use crate::System;
-use crate::gravity::{Softening, heavies};
+use crate::gravity::{Heavy, Softening, heavies};
 use crate::ledger::Census;
 use crate::operator::{Meter, Operator, Phase};
 use crate::system::Stray;
@@ -76,61 +76,51 @@ impl Kicked<'_> {
 }
 
 impl Reaction {
-    /// Gives star and planets the impulse that balances their pulls on `kicked`, weighted by `weight(i)`.
-    fn act(self, system: &System, kicked: &Kicked, weight: impl Fn(usize) -> f64 + Sync) -> Given {
+    /// What star and planets receive that balances their pulls on `kicked`, weighted by `weight(i)`.
+    fn act(
+        self,
+        (g, heavies, mut received): (f64, &[Heavy], Vec<Vec3>),
+        kicked: &Kicked,
+        weight: impl Fn(usize) -> f64 + Sync,
+    ) -> Given {
         let active = kicked.active;
-        let mut star = vec![Vec3::zeros(); system.star.x.len()];
-        let mut bodies = vec![Vec3::zeros(); system.bodies.x.len()];
-        for heavy in heavies(system) {
-            if self.on[usize::from(!heavy.star)] {
-                let impulse = sum::ordered(active.len(), Vec3::zeros(), |range| {
-                    active[range].iter().fold(Vec3::zeros(), |sum, &i| {
-                        let i = i as usize;
-                        let pull = heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0;
-                        sum - pull * (kicked.m[i] * weight(i))
-                    })
-                });
-                let own = if heavy.star { &mut star } else { &mut bodies };
-                own[heavy.place] += system.g * impulse;
+        received.clear();
+        received.extend(heavies.iter().map(|heavy| {
+            if !self.on[usize::from(!heavy.star)] {
+                return Vec3::zeros();
             }
-        }
+            g * sum::ordered(active.len(), Vec3::zeros(), |range| {
+                active[range].iter().fold(Vec3::zeros(), |sum, &i| {
+                    let i = i as usize;
+                    let pull = heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0;
+                    sum - pull * (kicked.m[i] * weight(i))
+                })
+            })
+        }));
         let given = kicked.stray(kicked.gravity, &weight);
-        let places = system.seen.star_x.iter().chain(&system.seen.x);
-        let stray = places
-            .zip(star.iter().chain(&bodies))
-            .fold(given, |sum, (&x, &back)| sum + Stray::at(x, back));
-        Given {
-            star,
-            bodies,
-            stray,
-        }
+        let stray = (heavies.iter().zip(&received))
+            .fold(given, |sum, (heavy, &back)| sum + Stray::at(heavy.x, back));
+        Given { received, stray }
     }
 }
 
-/// What a kick gives to star and bodies, and what is left over: the net effect of the tree's field.
+/// What a kick gives to star and planets, one by one, and what is left over: the net effect of the tree's field.
 struct Given {
-    star: Vec<Vec3>,
-    bodies: Vec<Vec3>,
+    received: Vec<Vec3>,
     stray: Stray,
 }
 
-fn receive(
-    system: &mut System,
-    Given {
-        star,
-        bodies,
-        stray,
-    }: Given,
-) {
+fn receive(system: &mut System, heavies: Vec<Heavy>, Given { received, stray }: Given) {
     system.stray = system.stray + stray;
-    for (pending, impulse) in system
-        .pending_star
-        .iter_mut()
-        .zip(star)
-        .chain(system.pending_bodies.iter_mut().zip(bodies))
-    {
-        *pending += impulse;
+    for (heavy, &impulse) in heavies.iter().zip(&received) {
+        let pending = if heavy.star {
+            &mut system.pending_star
+        } else {
+            &mut system.pending_bodies
+        };
+        pending[heavy.place] += impulse;
     }
+    (system.heavies, system.given) = (heavies, received);
     if system.bodies_active() {
         system.settle_impulses();
         system.look();
@@ -174,6 +164,8 @@ impl KickGas {
         weight: impl Fn(&System, usize) -> f64 + Sync,
         of_field: impl Fn(&System, usize) -> f64 + Sync,
     ) {
+        let heavies = heavies(system);
+        let memory = std::mem::take(&mut system.given);
         let gas = &system.gas.particles;
         let kicked = Kicked {
             x: &gas.x,
@@ -182,7 +174,8 @@ impl KickGas {
             gravity: &system.gas.rates.gravity,
             active: system.gas.active_ones(),
         };
-        let mut given = self.reaction.act(system, &kicked, |i| weight(system, i));
+        let mut given =
+            (self.reaction).act((system.g, &heavies, memory), &kicked, |i| weight(system, i));
         let field = kicked.stray(&system.gas.rates.field, |i| {
             if system.gas.field_ends(&system.clock, i) {
                 of_field(system, i)
@@ -191,7 +184,7 @@ impl KickGas {
             }
         });
         given.stray = given.stray + field;
-        receive(system, given);
+        receive(system, heavies, given);
     }
 
     /// Books what `kick` changes: of the gas only what is near the active particles, and whoever reacts.
@@ -281,6 +274,8 @@ impl KickDust {
     }
 
     fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
+        let heavies = heavies(system);
+        let memory = std::mem::take(&mut system.given);
         let dust = &system.dust.particles;
         let kicked = Kicked {
             x: &dust.x,
@@ -289,8 +284,9 @@ impl KickDust {
             gravity: &system.dust.rates.gravity,
             active: &self.active,
         };
-        let given = self.reaction.act(system, &kicked, |i| weight(system, i));
-        receive(system, given);
+        let given =
+            (self.reaction).act((system.g, &heavies, memory), &kicked, |i| weight(system, i));
+        receive(system, heavies, given);
     }
 }
 

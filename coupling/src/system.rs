@@ -11,6 +11,7 @@ use nbody::points::{Clock, Domain, Vec3, sum};
 use rayon::prelude::*;
 
 use crate::Ledger;
+use crate::gravity::Heavy;
 
 /// The common step of star and bodies, in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -155,6 +156,9 @@ pub struct System {
     pub held_back: Vec<Vec3>,
     /// The integrator of bodies that a run chose at its start, by a number of the chooser's.
     pub chosen: u64,
+    /// Memory for the list of those that pull pair by pair, and for what they receive.
+    pub(crate) heavies: Vec<Heavy>,
+    pub(crate) given: Vec<Vec3>,
     /// What has happened since the events were last written.
     pub events: Vec<crate::accretion::Event>,
     /// Potential energy of the whole system when last reported.
@@ -188,6 +192,8 @@ impl System {
             reporting: false,
             held_back: Vec::new(),
             chosen: 0,
+            heavies: Vec::new(),
+            given: Vec::new(),
             events: Vec::new(),
             potential: 0.0,
         }

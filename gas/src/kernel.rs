@@ -10,6 +10,12 @@ use fearless_simd::{Simd, SimdFloat};
 
 use crate::lanes;
 
+mod splines;
+mod wendland;
+
+pub use splines::{CubicSpline, QuinticSpline};
+pub use wendland::{WendlandC2, WendlandC4, WendlandC6};
+
 /// A number or lanes of numbers; `S` is [`Scalar`] or the machine's instruction set.
 pub trait Number<S>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
@@ -87,67 +93,6 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     }
 }
 
-/// The cubic B-spline (Monaghan & Lattanzio 1985).
-#[derive(Clone, Copy, Debug)]
-pub struct CubicSpline;
-
-impl Kernel for CubicSpline {
-    fn support(dimensions: usize) -> f64 {
-        by_dimension(dimensions, 1.778_002, 1.825_742)
-    }
-
-    fn norm(dimensions: usize) -> f64 {
-        by_dimension(dimensions, 80.0 / (7.0 * PI), 16.0 / PI)
-    }
-
-    #[inline(always)]
-    fn value<S, N: Number<S>>(q: N) -> N {
-        let outer = q.line(-1.0, 1.0).at_least(0.0);
-        let inner = q.line(-1.0, 0.5).at_least(0.0);
-        outer * outer * outer - (inner * inner * inner).line(4.0, 0.0)
-    }
-
-    #[inline(always)]
-    fn slope<S, N: Number<S>>(q: N) -> N {
-        let outer = q.line(-1.0, 1.0).at_least(0.0);
-        let inner = q.line(-1.0, 0.5).at_least(0.0);
-        // Both squares cancel at the centre, where the slope is -6; kept off zero, it comes out to 1e-8 there.
-        ((inner * inner).line(12.0, 0.0) - (outer * outer).line(3.0, 0.0)) / q.at_least(1e-8)
-    }
-}
-
-/// The kernel C2 of Wendland (1995): does not pair.
-#[derive(Clone, Copy, Debug)]
-pub struct WendlandC2;
-
-impl Kernel for WendlandC2 {
-    fn support(dimensions: usize) -> f64 {
-        by_dimension(dimensions, 1.897_367, 1.936_492)
-    }
-
-    fn norm(dimensions: usize) -> f64 {
-        by_dimension(dimensions, 7.0 / PI, 10.5 / PI)
-    }
-
-    /// Dehnen & Aly (2012), eq. 18 and table 2, in three dimensions.
-    fn self_excess(neighbours: f64, dimensions: usize) -> f64 {
-        by_dimension(dimensions, 0.0, 0.0294 * (0.01 * neighbours).powf(-0.977))
-    }
-
-    #[inline(always)]
-    fn value<S, N: Number<S>>(q: N) -> N {
-        let outer = q.line(-1.0, 1.0).at_least(0.0);
-        let square = outer * outer;
-        square * square * q.line(4.0, 1.0)
-    }
-
-    #[inline(always)]
-    fn slope<S, N: Number<S>>(q: N) -> N {
-        let outer = q.line(-1.0, 1.0).at_least(0.0);
-        (outer * outer * outer).line(-20.0, 0.0)
-    }
-}
-
 fn by_dimension(dimensions: usize, two: f64, three: f64) -> f64 {
     match dimensions {
         2 => two,
@@ -165,7 +110,10 @@ pub fn unit_sphere(dimensions: usize) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KernelKind {
     CubicSpline,
+    QuinticSpline,
     WendlandC2,
+    WendlandC4,
+    WendlandC6,
 }
 
 /// Calls a function of the kernel: in loops over pairs a branch that is always the same way, so that sweeps are compiled once for all kernels.
@@ -173,12 +121,24 @@ macro_rules! of_kernel {
     ($kind:expr, $function:ident($($argument:expr),*)) => {
         match $kind {
             KernelKind::CubicSpline => CubicSpline::$function($($argument),*),
+            KernelKind::QuinticSpline => QuinticSpline::$function($($argument),*),
             KernelKind::WendlandC2 => WendlandC2::$function($($argument),*),
+            KernelKind::WendlandC4 => WendlandC4::$function($($argument),*),
+            KernelKind::WendlandC6 => WendlandC6::$function($($argument),*),
         }
     };
 }
 
 impl KernelKind {
+    /// All kernels.
+    pub const ALL: [Self; 5] = [
+        Self::CubicSpline,
+        Self::QuinticSpline,
+        Self::WendlandC2,
+        Self::WendlandC4,
+        Self::WendlandC6,
+    ];
+
     /// Kernel support by smoothing length, H / h.
     pub fn support(self, dimensions: usize) -> f64 {
         of_kernel!(self, support(dimensions))
@@ -208,51 +168,4 @@ impl KernelKind {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Integrals of r^power W over space, by the midpoint rule in 20 000 shells (error 1e-9).
-    fn moment<K: Kernel>(dimensions: usize, power: i32) -> f64 {
-        let reach = 1.7;
-        let shells = 20_000;
-        let dr = reach / f64::from(shells);
-        (0..shells)
-            .map(|i| {
-                let r = (f64::from(i) + 0.5) * dr;
-                let shell =
-                    unit_sphere(dimensions) * dimensions as f64 * r.powi(dimensions as i32 - 1);
-                shell * r.powi(power) * K::w(r, reach, dimensions) * dr
-            })
-            .sum()
-    }
-
-    fn check<K: Kernel>() {
-        for dimensions in [2, 3] {
-            let mass = moment::<K>(dimensions, 0);
-            assert!((mass - 1.0).abs() < 2e-9, "{dimensions}D: {mass}");
-            let deviation = (moment::<K>(dimensions, 2) / dimensions as f64).sqrt();
-            let support = 1.7 / (2.0 * deviation);
-            assert!(
-                (support / K::support(dimensions) - 1.0).abs() < 4e-7,
-                "{dimensions}D: {support}"
-            );
-            for i in 1..100 {
-                let (r, e) = (0.017 * f64::from(i), 1e-5);
-                let by_difference =
-                    (K::w(r + e, 1.7, dimensions) - K::w(r - e, 1.7, dimensions)) / (2.0 * e);
-                assert!(
-                    (K::dw(r, 1.7, dimensions) - by_difference).abs() < 2e-9,
-                    "{dimensions}D at {r}"
-                );
-            }
-            assert_eq!(K::w(1.7, 1.7, dimensions), 0.0);
-            assert_eq!(K::dw(2.0, 1.7, dimensions), 0.0);
-        }
-    }
-
-    #[test]
-    fn kernels_hold_unit_mass_their_width_and_their_slope() {
-        check::<CubicSpline>();
-        check::<WendlandC2>();
-    }
-}
+mod tests;

@@ -255,13 +255,14 @@ impl Gas {
         });
     }
 
-    /// Brings to the tick of `clock` the leaves that may hold gas within `radius` of `centre`, and lists their particles.
+    /// Brings to the tick of `clock` the leaves that may hold gas within `radius` of `centre`, and adds their particles to `places`.
     pub fn arrive_near(
         &mut self,
         (centre, radius): (Vec3, f64),
         domain: &Domain,
         clock: &Clock,
-    ) -> Vec<usize> {
+        places: &mut Vec<usize>,
+    ) {
         let mut near = std::mem::take(&mut self.nearby);
         near.clear();
         near.extend(self.tree.leaves.iter().copied().filter(|&at| {
@@ -271,10 +272,8 @@ impl Gas {
         }));
         self.arrive_in(&near, domain, clock);
         let nodes = &self.tree.nodes;
-        let places = near.iter().flat_map(|&at| nodes[at as usize].range());
-        let places = places.collect();
+        places.extend(near.iter().flat_map(|&at| nodes[at as usize].range()));
         self.nearby = near;
-        places
     }
 }
 

@@ -27,7 +27,9 @@ pub use conduction::Conduction;
 pub use eos::Eos;
 pub use formulation::Formulation;
 pub use hydro::{Hydro, UNLIMITED};
-pub use kernel::{CubicSpline, Kernel, KernelKind, WendlandC2};
+pub use kernel::{
+    CubicSpline, Kernel, KernelKind, QuinticSpline, WendlandC2, WendlandC4, WendlandC6,
+};
 pub use particles::{Derived, Gas, Particles, Rates};
 pub use timestep::Heat;
 pub use totals::Totals;

@@ -341,7 +341,7 @@ fn operators(
         });
     }
     if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
-        list.push(Box::new(Accretion));
+        list.push(Box::new(Accretion::default()));
     }
     let law = scene.planetesimals.as_ref().and_then(populate::collisions);
     if let Some(law) = law.filter(|_| system.bodies.len() > 1) {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
-use gas::{Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
+use gas::{Conduction, Eos, Formulation, Gas, Hydro, Particles, Precision, Viscosity};
 use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
@@ -58,12 +58,8 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
         scene::Viscosity::Balsara { alpha, beta } => Viscosity::Balsara { alpha, beta },
         scene::Viscosity::CullenDehnen { alpha, beta } => Viscosity::CullenDehnen { alpha, beta },
     };
-    let kernel = match gas.hydro.kernel {
-        scene::Kernel::WendlandC2 => KernelKind::WendlandC2,
-        scene::Kernel::CubicSpline => KernelKind::CubicSpline,
-    };
     Hydro {
-        kernel,
+        kernel: gas.hydro.kernel,
         neighbours: gas.hydro.neighbours,
         tolerance: gas.hydro.tolerance,
         precision: match gas.hydro.precision {

@@ -3,7 +3,7 @@
 mod bodies;
 mod dust;
 mod frame;
-mod gas;
+pub mod gas;
 pub mod gravity;
 mod surroundings;
 

@@ -5,6 +5,7 @@
 
 use std::path::PathBuf;
 
+use gas::KernelKind;
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
 
@@ -177,7 +178,7 @@ pub enum Cooling {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hydro {
     pub formulation: Formulation,
-    pub kernel: Kernel,
+    pub kernel: KernelKind,
     pub neighbours: f64,
     pub courant: f64,
     /// Relative error of the neighbour number at which the smoothing length is found.
@@ -196,12 +197,6 @@ pub enum Precision {
 pub enum Formulation {
     Density,
     Pressure,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kernel {
-    WendlandC2,
-    CubicSpline,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

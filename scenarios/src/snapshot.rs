@@ -6,6 +6,7 @@ mod read;
 
 use std::path::Path;
 
+use gas::KernelKind;
 use hdf5::{File, Group as Folder, Location};
 use nbody::points::{Boundary, ColumnRef, Columns, Dimension, Keep, Label, Vec3};
 
@@ -14,7 +15,7 @@ use crate::atomic::publish;
 use crate::hdf::{
     FileError, Result, length, write_column, write_number, write_numbers, write_text,
 };
-use crate::scene::{Eos, Formulation, Kernel, Scene};
+use crate::scene::{Eos, Formulation, Scene};
 use crate::units::Units;
 
 /// Types of particles that SWIFT's header counts.
@@ -177,8 +178,11 @@ fn hydro_scheme(group: &Folder, scene: &Scene) -> Result<()> {
     write_number(group, "Thermal conduction alpha", gas.conduction)?;
     write_number(group, "Dimension", scene.domain.dimensions() as i32)?;
     let kernel = match gas.hydro.kernel {
-        Kernel::WendlandC2 => "Wendland C2",
-        Kernel::CubicSpline => "Cubic spline (M4)",
+        KernelKind::WendlandC2 => "Wendland C2",
+        KernelKind::WendlandC4 => "Wendland C4",
+        KernelKind::WendlandC6 => "Wendland C6",
+        KernelKind::CubicSpline => "Cubic spline (M4)",
+        KernelKind::QuinticSpline => "Quintic spline (M6)",
     };
     write_text(group, "Kernel function", kernel)?;
     write_number(group, "Kernel target N_ngb", gas.hydro.neighbours)?;

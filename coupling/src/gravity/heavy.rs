@@ -1,7 +1,7 @@
 //! Star and planets: what each does to others pair by pair, and what those give back.
 
+use nbody::Kind;
 use nbody::points::{Vec3, sum};
-use nbody::{Bodies, Kind};
 use rayon::prelude::*;
 
 use super::{Mutual, PLANETESIMALS, PLANETS, Plan, STAR};
@@ -18,26 +18,25 @@ pub struct Heavy {
     pub star: bool,
 }
 
-/// The stars and planets of the system that pull, where they are seen now.
-pub fn heavies(system: &System) -> Vec<Heavy> {
-    let of = |bodies: &Bodies, x: &[Vec3], star: bool| -> Vec<Heavy> {
-        (0..bodies.x.len())
-            .filter(|&i| star || (bodies.kind[i] == Kind::Planet as u32 && bodies.m[i] > 0.0))
-            .map(|i| Heavy {
-                x: x[i],
-                m: bodies.m[i],
-                softening: bodies.softening[i],
-                place: i,
-                star,
-            })
-            .collect()
-    };
-    let mut all = of(&system.star, &system.seen.star_x, true);
-    all.extend(of(
-        &system.bodies,
-        system.seen.places(&system.bodies.x),
-        false,
-    ));
+/// The stars and planets of the system that pull, where they are seen now; to be given back to [`System::heavies`] for its memory.
+pub fn heavies(system: &mut System) -> Vec<Heavy> {
+    let mut all = std::mem::take(&mut system.heavies);
+    all.clear();
+    let own = system.seen.places(&system.bodies.x);
+    for (bodies, x, star) in [
+        (&system.star, &system.seen.star_x[..], true),
+        (&system.bodies, own, false),
+    ] {
+        let pulls =
+            |&i: &usize| star || (bodies.kind[i] == Kind::Planet as u32 && bodies.m[i] > 0.0);
+        all.extend((0..bodies.x.len()).filter(pulls).map(|i| Heavy {
+            x: x[i],
+            m: bodies.m[i],
+            softening: bodies.softening[i],
+            place: i,
+            star,
+        }));
+    }
     all
 }
 
@@ -68,23 +67,15 @@ impl Plan {
     /// The pulls of star and planets on active gas and dust.
     pub(super) fn pull_fluids(&self, system: &mut System, heavies: &[Heavy]) {
         let (tick, synchronous, g) = (system.clock.tick, system.clock.synchronous(), system.g);
-        let felt = |target: usize| -> Vec<Heavy> {
-            heavies
-                .iter()
-                .copied()
-                .filter(|h| self.pulls[h.rank()][target])
-                .collect()
-        };
-        let (heavies_of_gas, softening) = (felt(0), self.gas);
-        if !heavies_of_gas.is_empty() {
+        let felt = |target: usize| (heavies.iter()).filter(move |h| self.pulls[h.rank()][target]);
+        let softening = self.gas;
+        if felt(0).next().is_some() {
             system.gas.pull(|gravity, gas, i| {
                 let soft = softening.of(gas.h[i]);
-                (heavies_of_gas.iter())
-                    .fold(gravity, |sum, heavy| sum + g * heavy.pull(gas.x[i], soft).0)
+                felt(0).fold(gravity, |sum, heavy| sum + g * heavy.pull(gas.x[i], soft).0)
             });
         }
-        let heavies_of_dust = felt(1);
-        if heavies_of_dust.is_empty() {
+        if felt(1).next().is_none() {
             return;
         }
         let dust = &mut system.dust;
@@ -96,7 +87,7 @@ impl Plan {
             .for_each(|(i, gravity)| {
                 if synchronous || particles.end[i] == tick {
                     let soft = self.dust.of(particles.h[i]);
-                    for heavy in &heavies_of_dust {
+                    for heavy in felt(1) {
                         *gravity += g * heavy.pull(particles.x[i], soft).0;
                     }
                 }

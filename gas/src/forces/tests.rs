@@ -28,7 +28,7 @@ fn domains() -> [Domain; 4] {
 /// Settings in `domain` with each kernel, formulation and precision, heat conducted or not.
 fn settings(domain: Domain) -> Vec<Hydro> {
     let mut all = Vec::new();
-    for kernel in [KernelKind::CubicSpline, KernelKind::WendlandC2] {
+    for kernel in KernelKind::ALL {
         for formulation in [Formulation::Density, Formulation::Pressure] {
             for alpha in [0.0, 1.0] {
                 for precision in [Precision::Double, Precision::Single] {

@@ -2,11 +2,13 @@
 
 use nbody::points::Vec3;
 
+use gas::KernelKind;
+
 use super::Facts;
 use crate::reader::{Range, Section};
 use crate::scene::{
-    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Kernel, Lattice,
-    Precision, Softening, Thermal, Viscosity,
+    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Lattice, Precision,
+    Softening, Thermal, Viscosity,
 };
 use crate::units::Kind;
 
@@ -325,13 +327,8 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         ("pressure", Formulation::Pressure),
     ];
     let formulation = section.choice("formulation", &formulations, &[]);
-    let kernels = [
-        ("wendland-c2", Kernel::WendlandC2),
-        ("cubic-spline", Kernel::CubicSpline),
-    ];
-    let later = ["quintic-spline", "wendland-c4", "wendland-c6"];
-    let kernel = section.choice("kernel", &kernels, &later);
-    let kernel = kernel.unwrap_or(Kernel::WendlandC2);
+    let kernel = section.choice("kernel", &KERNELS, &[]);
+    let kernel = kernel.unwrap_or(KernelKind::WendlandC2);
     let neighbours = section.number("neighbours", NEIGHBOURS);
     let courant = section.number("courant", Range::FRACTION);
     let tolerance = section.number("tolerance", TOLERANCE);
@@ -348,14 +345,25 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
     }
 }
 
-/// The cubic spline pairs above about 60 neighbours in space and 20 in the plane (Dehnen & Aly 2012).
-fn default_neighbours(kernel: Kernel, facts: &Facts) -> f64 {
-    match (kernel, facts.dimensions) {
-        (Kernel::WendlandC2, 2) => facts.by_preset([16.0, 20.0, 28.0]),
-        (Kernel::CubicSpline, 2) => facts.by_preset([13.0, 14.0, 16.0]),
-        (Kernel::WendlandC2, _) => facts.by_preset([50.0, 64.0, 100.0]),
-        (Kernel::CubicSpline, _) => facts.by_preset([40.0, 42.0, 55.0]),
-    }
+/// Kernels by name.
+pub const KERNELS: [(&str, KernelKind); 5] = [
+    ("wendland-c2", KernelKind::WendlandC2),
+    ("wendland-c4", KernelKind::WendlandC4),
+    ("wendland-c6", KernelKind::WendlandC6),
+    ("cubic-spline", KernelKind::CubicSpline),
+    ("quintic-spline", KernelKind::QuinticSpline),
+];
+
+/// The cubic spline pairs above about 60 neighbours in space and 20 in the plane, the quintic above some 200 and 45 (Dehnen & Aly 2012).
+fn default_neighbours(kernel: KernelKind, facts: &Facts) -> f64 {
+    let [plane, space] = match kernel {
+        KernelKind::WendlandC2 => [[16.0, 20.0, 28.0], [50.0, 64.0, 100.0]],
+        KernelKind::WendlandC4 => [[22.0, 30.0, 40.0], [100.0, 140.0, 200.0]],
+        KernelKind::WendlandC6 => [[30.0, 42.0, 60.0], [150.0, 220.0, 400.0]],
+        KernelKind::CubicSpline => [[13.0, 14.0, 16.0], [40.0, 42.0, 55.0]],
+        KernelKind::QuinticSpline => [[19.0, 22.0, 26.0], [70.0, 82.0, 113.0]],
+    };
+    facts.by_preset(if facts.dimensions == 2 { plane } else { space })
 }
 
 fn viscosity(gas: &Section<'_>) -> Viscosity {

@@ -1,9 +1,10 @@
 //! Gas and dust of a scene as text.
 
 use super::text::Text;
+use crate::read::gas::KERNELS;
 use crate::scene::{
     Block, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation, Gas, Hydro,
-    Kernel, Lattice, Precision, Sizes, Thermal, Viscosity,
+    Lattice, Precision, Sizes, Thermal, Viscosity,
 };
 
 pub fn write_gas(text: &mut Text, gas: &Gas) {
@@ -121,13 +122,8 @@ fn write_hydro(text: &mut Text, hydro: &Hydro) {
         Formulation::Density => text.text("formulation", "density"),
         Formulation::Pressure => text.text("formulation", "pressure"),
     }
-    text.text(
-        "kernel",
-        match hydro.kernel {
-            Kernel::WendlandC2 => "wendland-c2",
-            Kernel::CubicSpline => "cubic-spline",
-        },
-    );
+    let named = KERNELS.iter().find(|(_, kernel)| *kernel == hydro.kernel);
+    text.text("kernel", named.expect("a name for each kernel").0);
     text.number("neighbours", hydro.neighbours);
     text.number("courant", hydro.courant);
     text.number("tolerance", hydro.tolerance);
