@@ -11,7 +11,7 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use crate::points::sort::{Cube, Curve, MANY};
-use crate::points::sum::{CHUNK, Parts};
+use crate::points::sum::Parts;
 use crate::points::{Tree, Vec3};
 
 mod cluster;
@@ -92,16 +92,11 @@ pub struct Gravity {
     tree: Tree,
     groups: Vec<u32>,
     clusters: Vec<u32>,
-    /// positions and squares of the softening lengths along the curve
-    x: Vec<Vec3>,
-    eps2: Vec<f64>,
     sources: Sources,
     moments: Vec<Moment>,
     lenses: Vec<Lens>,
-    /// place along the curve of each of the caller's particles
-    place: Vec<u32>,
-    /// for each place along the curve one more than its number among the active, or zero
-    slot: Vec<u32>,
+    /// for each of the caller's particles one more than its number among the active, or zero
+    turn: Vec<u32>,
     /// pairs within this length are summed in f64
     resolved: f64,
 }
@@ -119,13 +114,10 @@ impl Gravity {
             tree: Tree::default(),
             groups: Vec::new(),
             clusters: Vec::new(),
-            x: Vec::new(),
-            eps2: Vec::new(),
             sources: Sources::default(),
             moments: Vec::new(),
             lenses: Vec::new(),
-            place: Vec::new(),
-            slot: Vec::new(),
+            turn: Vec::new(),
             resolved: 0.0,
         }
     }
@@ -157,16 +149,9 @@ impl Gravity {
     /// Threads the particles, builds the tree and its moments. Particles without mass feel, but do not pull.
     pub fn build(&mut self, x: &[Vec3], m: &[f64], softening: &[f64]) {
         self.curve.thread(x, Cube::around(x));
-        self.place.resize(x.len(), 0);
-        let (places, order) = (Parts::new(&mut self.place), &self.curve.order);
-        let along = order.par_iter().enumerate().with_min_len(CHUNK);
-        along.for_each(|(place, &i)| {
-            let own = i as usize..i as usize + 1;
-            // SAFETY: each particle has one place along the curve.
-            unsafe { places.part(own)[0] = place as u32 };
-        });
         self.take(x, m, softening);
-        self.tree.build(&self.x, &self.curve.keys, LEAF);
+        let bounds = |range| self.sources.bounds(range);
+        self.tree.build_within(&self.curve.keys, LEAF, &bounds);
         if x.len() > MANY {
             self.curve.keys = Vec::new();
         }
@@ -176,24 +161,20 @@ impl Gravity {
 
     /// Takes the same particles, moved a little: new boxes and moments, but the order and the tree of the last build.
     pub fn refit(&mut self, x: &[Vec3], m: &[f64], softening: &[f64]) {
-        assert_eq!(x.len(), self.x.len(), "the particles of the last build");
+        assert_eq!(
+            x.len(),
+            self.curve.order.len(),
+            "the particles of the last build"
+        );
         self.take(x, m, softening);
-        self.tree.refit(&self.x);
+        self.tree.refit_within(&|range| self.sources.bounds(range));
         self.weigh();
     }
 
     fn take(&mut self, x: &[Vec3], m: &[f64], softening: &[f64]) {
         assert_eq!(x.len(), m.len(), "a mass a particle");
         assert_eq!(x.len(), softening.len(), "a softening length a particle");
-        let along = self.curve.order.par_iter().with_min_len(CHUNK);
-        along
-            .clone()
-            .map(|&i| x[i as usize])
-            .collect_into_vec(&mut self.x);
-        along
-            .map(|&i| softening[i as usize].powi(2))
-            .collect_into_vec(&mut self.eps2);
-        self.sources.take(&self.curve.order, m, &self.x, &self.eps2);
+        self.sources.take(&self.curve.order, x, m, softening);
     }
 
     /// Groups are the nodes of at most [`GROUP`] particles whose parent has more; likewise clusters.
@@ -236,10 +217,10 @@ impl Gravity {
             potential.is_empty() || potential.len() == active.len(),
             "a potential a target, or none"
         );
-        self.slot.clear();
-        self.slot.resize(self.x.len(), 0);
+        self.turn.clear();
+        self.turn.resize(self.curve.order.len(), 0);
         for (k, &i) in active.iter().enumerate() {
-            self.slot[self.place[i as usize] as usize] = k as u32 + 1;
+            self.turn[i as usize] = k as u32 + 1;
         }
         let count = if self.wanted_error() < SINGLE {
             self.sweep::<f64>(acceleration, potential)
@@ -272,9 +253,8 @@ impl Gravity {
             },
             sources: &self.sources,
             moments: &self.moments,
-            x: &self.x,
-            eps2: &self.eps2,
-            slot: &self.slot,
+            order: &self.curve.order,
+            turn: &self.turn,
             groups: &self.groups,
             criterion,
             tolerance,

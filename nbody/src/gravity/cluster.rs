@@ -11,7 +11,7 @@ use fearless_simd::Level;
 use crate::points::Vec3;
 
 use super::Count;
-use super::direct::{Blocks, Frame, Group, NO_SOURCE, Target};
+use super::direct::{Blocks, Frame, Group, Target};
 use super::kernel::Pull;
 use super::lanes::Real;
 use super::moments::Moment;
@@ -29,9 +29,10 @@ pub struct Scene<'a> {
     pub forest: Forest<'a>,
     pub sources: &'a Sources,
     pub moments: &'a [Moment],
-    pub x: &'a [Vec3],
-    pub eps2: &'a [f64],
-    pub slot: &'a [u32],
+    /// which of the caller's particles each one along the curve is
+    pub order: &'a [u32],
+    /// for each of the caller's particles one more than its number among the active, or zero
+    pub turn: &'a [u32],
     pub groups: &'a [u32],
     /// [`Criterion::Widest`] if each group's criterion is to follow from its accelerations and `tolerance`
     pub criterion: Criterion,
@@ -61,7 +62,7 @@ struct Active {
 pub struct Cluster<E> {
     groups: Vec<Active>,
     targets: Vec<Target>,
-    slots: Vec<u32>,
+    turns: Vec<u32>,
     pulled: Vec<Target>,
     /// group, target and acceleration of those that need a stricter criterion than their group's
     outliers: Vec<(usize, usize, f64)>,
@@ -75,7 +76,7 @@ impl<E: Real> Default for Cluster<E> {
         Self {
             groups: Vec::new(),
             targets: Vec::new(),
-            slots: Vec::new(),
+            turns: Vec::new(),
             pulled: Vec::new(),
             outliers: Vec::new(),
             pulls: Vec::new(),
@@ -121,7 +122,7 @@ impl<E: Real> Cluster<E> {
                 if size(pull) < small {
                     self.outliers.push((g, i, size(pull)));
                 }
-                give(self.slots[i], *pull);
+                give(self.turns[i], *pull);
             }
         }
         for k in 0..self.outliers.len() {
@@ -132,7 +133,7 @@ impl<E: Real> Cluster<E> {
                 .share(scene.forest, &self.groups[g].region, criterion, criterion);
             self.complete(scene, g);
             count.interactions += self.pull(scene, g, i..i + 1);
-            give(self.slots[i], self.pulls[0]);
+            give(self.turns[i], self.pulls[0]);
         }
         count
     }
@@ -146,7 +147,7 @@ impl<E: Real> Cluster<E> {
     fn take_active(&mut self, scene: &Scene, home: usize) {
         self.groups.clear();
         self.targets.clear();
-        self.slots.clear();
+        self.turns.clear();
         let nodes = &scene.forest.tree.nodes;
         let end = nodes[home].skip;
         let from = scene.groups.partition_point(|&g| (g as usize) < home);
@@ -154,14 +155,10 @@ impl<E: Real> Cluster<E> {
         for &group in groups {
             let first = self.targets.len();
             for i in nodes[group as usize].range() {
-                if scene.slot[i] > 0 {
-                    let (j, next) = (scene.sources.before[i], scene.sources.before[i + 1]);
-                    self.slots.push(scene.slot[i] - 1);
-                    self.targets.push(Target {
-                        x: scene.x[i],
-                        eps2: scene.eps2[i],
-                        source: if next > j { j } else { NO_SOURCE },
-                    });
+                let turn = scene.turn[scene.order[i] as usize];
+                if turn > 0 {
+                    self.turns.push(turn - 1);
+                    self.targets.push(scene.sources.target(i));
                 }
             }
             if self.targets.len() > first {

@@ -144,14 +144,24 @@ impl<E: Real> Group<'_, E> {
         let count = (range.len()).min(POINTS - block.len);
         let (from, to) = (range.start as usize, block.len);
         let s = self.sources;
-        let columns = [&s.x, &s.y, &s.z, &s.eps2, &s.m];
-        let origin = [centre.x, centre.y, centre.z, 0.0, 0.0];
-        let units = [scale, scale, scale, scale * scale, 1.0];
-        for c in 0..5 {
-            let into = &mut block.columns[c][to..to + count];
-            for (into, value) in into.iter_mut().zip(&columns[c][from..from + count]) {
+        let rows = from..from + count;
+        let columns = [&s.x, &s.y, &s.z, &s.m].map(|column| &column[rows.clone()]);
+        let origin = [centre.x, centre.y, centre.z, 0.0];
+        let units = [scale, scale, scale, 1.0];
+        for (c, at) in [0, 1, 2, 4].into_iter().enumerate() {
+            let into = &mut block.columns[at][to..to + count];
+            for (into, value) in into.iter_mut().zip(columns[c]) {
                 *into = E::from_f64((value - origin[c]) * units[c]);
             }
+        }
+        let into = &mut block.columns[3][to..to + count];
+        match s.own_eps2(rows) {
+            Some(own) => {
+                for (into, eps2) in into.iter_mut().zip(own) {
+                    *into = E::from_f64(eps2 * (scale * scale));
+                }
+            }
+            None => into.fill(E::from_f64(s.eps2(from) * (scale * scale))),
         }
         for (k, index) in self.blocks.index[to..to + count].iter_mut().enumerate() {
             *index = (from + k) as u32;
@@ -236,7 +246,7 @@ impl<E: Real> Group<'_, E> {
 fn add_exactly(pull: &mut Pull, target: &Target, sources: &Sources, j: u32, scale: f64) {
     let source = j as usize;
     let d = (sources.position(source) - target.x) * scale;
-    let q2 = d.norm_squared() + (target.eps2 + sources.eps2[source]) * scale * scale;
+    let q2 = d.norm_squared() + (target.eps2 + sources.eps2(source)) * scale * scale;
     if j != target.source && q2 > 0.0 {
         let y = 1.0 / q2.sqrt();
         let w = sources.m[source] * y * y * y;

@@ -60,7 +60,7 @@ pub fn refresh(tree: &Tree, sources: &Sources, moments: &mut Vec<Moment>) {
         Moment::of(sources.of(node.range()).map(|j| Moment {
             m: sources.m[j],
             centre: sources.position(j),
-            eps2: sources.eps2[j],
+            eps2: sources.eps2(j),
             second: [0.0; 6],
         }))
     };

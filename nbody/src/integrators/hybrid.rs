@@ -7,6 +7,7 @@
 //! 420, 840 steps an orbit; below 200 steps the order is not yet felt. Momentum is kept to rounding. Touching pairs are stopped, bound together and told.
 //! Source: Duncan, Levison & Lee (1998); Chambers (1999); Oshino, Funato & Makino (2011); Ishigaki et al. (2021).
 
+mod alone;
 pub mod changeover;
 mod clusters;
 pub mod cutoff;
@@ -14,6 +15,7 @@ mod group;
 mod hard;
 mod map;
 mod neighbours;
+mod pairs;
 mod radau;
 pub mod soft;
 #[cfg(test)]
@@ -24,13 +26,13 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::leapfrog;
-use crate::bodies::{Bodies, Kind};
+use crate::bodies::Bodies;
 use crate::encounters::{Encounter, in_order};
-use crate::kepler::{self, abreast::drift_all};
-use crate::points::sort::{Cube, Curve};
+use crate::kepler;
+use crate::points::sort::{Cube, Curve, MANY};
 use crate::points::sum::{self, CHUNK};
 use crate::points::{Columns, Vec3};
-use changeover::soft_part;
+use alone::alone;
 use clusters::Clusters;
 pub use cutoff::typical;
 use cutoff::{Centre, Cutoff, choose};
@@ -69,6 +71,8 @@ pub struct Hybrid {
     pub touches: Vec<Encounter>,
     /// Of bodies that carry none.
     cutoffs: Vec<f64>,
+    /// Members of clusters in the last drift, and of the largest one.
+    clustered: (usize, usize),
     neighbours: Neighbours,
     clusters: Clusters,
     hard: Hard,
@@ -191,7 +195,18 @@ impl Hybrid {
             (bodies.x[i as usize], bodies.v[i as usize]) = (self.hard.x[k], self.hard.v[k]);
         }
         self.tell(bodies, dt);
+        self.clustered = self.clusters.sizes();
+        if bodies.x.len() > MANY {
+            self.release();
+        }
         Ok(())
+    }
+
+    /// Gives back the memory of what the drift of many bodies is done with, before a kick needs it for its tree.
+    fn release(&mut self) {
+        self.neighbours.pairs = Vec::new();
+        self.clusters = Clusters::default();
+        (self.hard.x, self.hard.v) = (Vec::new(), Vec::new());
     }
 
     /// Lists the touches in their order.
@@ -247,96 +262,8 @@ impl Hybrid {
         order
     }
 
-    /// Takes the hard parts of all pairs but planets' off the accelerations `a` of bodies where they are now, with the cut-offs of
-    /// [`Hybrid::choose`].
-    pub fn soften(&mut self, bodies: &mut Bodies, g: f64) {
-        self.take_off(bodies, g, false);
-    }
-
-    /// The same for all pairs, planets' too.
-    pub fn soften_all(&mut self, bodies: &mut Bodies, g: f64) {
-        self.take_off(bodies, g, true);
-    }
-
-    fn take_off(&mut self, bodies: &mut Bodies, g: f64, planets: bool) {
-        let mut a = std::mem::take(&mut bodies.a);
-        self.hard_parts(bodies, g, planets, |[i, j], pull| {
-            a[i] -= pull * bodies.m[j];
-            a[j] += pull * bodies.m[i];
-        });
-        bodies.a = a;
-    }
-
-    /// Adds the hard parts of all pairs to `pulls`, for bodies where they are now, with the cut-offs of [`Hybrid::choose`].
-    pub fn add_hard(&mut self, bodies: &Bodies, g: f64, pulls: &mut [Vec3]) {
-        self.hard_parts(bodies, g, true, |[i, j], pull| {
-            pulls[i] += pull * bodies.m[j];
-            pulls[j] -= pull * bodies.m[i];
-        });
-    }
-
-    /// Gives the hard part of the pull of each pair that has one over the mass: on the first of the pair, towards the second.
-    fn hard_parts(
-        &mut self,
-        bodies: &Bodies,
-        g: f64,
-        planets: bool,
-        mut give: impl FnMut([usize; 2], Vec3),
-    ) {
-        self.neighbours.find(&Swarm {
-            m: &bodies.m,
-            x: &bodies.x,
-            v: &bodies.v,
-            cutoff: &bodies.cutoff,
-            mu: 0.0,
-            dt: 0.0,
-        });
-        for &[i, j] in &self.neighbours.pairs {
-            let (i, j) = (i as usize, j as usize);
-            let planet = |i: usize| !planets && bodies.kind[i] == Kind::Planet as u32;
-            let d = bodies.x[j] - bodies.x[i];
-            let c = bodies.cutoff[i].max(bodies.cutoff[j]);
-            let (r2, eps) = (d.norm_squared(), [i, j].map(|i| bodies.softening[i]));
-            if planet(i) || planet(j) || r2 >= c * c || r2 == 0.0 {
-                continue;
-            }
-            let q2 = r2 + (eps[0] * eps[0] + eps[1] * eps[1]);
-            let hard = 1.0 - soft_part((r2 / (c * c)).sqrt());
-            give([i, j], d * (g * hard / (q2 * q2.sqrt())));
-        }
-    }
-
     /// How many bodies were in clusters in the last drift, and in the largest one.
     pub fn clustered(&self) -> (usize, usize) {
-        let sizes = (0..self.clusters.count()).map(|k| self.clusters.range(k).len());
-        (self.clusters.members.len(), sizes.max().unwrap_or(0))
+        self.clustered
     }
-}
-
-/// Moves everybody but the members of clusters along their Kepler orbits. Members go along circles, which is simpler than to leave them
-/// out: their state is replaced afterwards.
-fn alone(mu: f64, dt: f64, bodies: &mut Bodies, members: &[u32]) -> Result<(), Stuck> {
-    for &i in members {
-        let r = bodies.x[i as usize].norm();
-        let r = if r.is_normal() { r } else { 1.0 };
-        bodies.x[i as usize] = Vec3::x() * r;
-        bodies.v[i as usize] = Vec3::y() * (mu / r).sqrt();
-    }
-    let stuck = |(place, refusal): (usize, kepler::Refusal)| Stuck {
-        place,
-        reason: refusal.into(),
-    };
-    if bodies.x.len() <= CHUNK {
-        return drift_all(mu, dt, &mut bodies.x, &mut bodies.v).map_err(stuck);
-    }
-    let chunks = bodies
-        .x
-        .par_chunks_mut(CHUNK)
-        .zip(bodies.v.par_chunks_mut(CHUNK));
-    let first = chunks.enumerate().filter_map(|(k, (x, v))| {
-        let (place, refusal) = drift_all(mu, dt, x, v).err()?;
-        Some((k * CHUNK + place, refusal))
-    });
-    let first = first.min_by_key(|&(place, _)| place);
-    first.map_or(Ok(()), |first| Err(stuck(first)))
 }

@@ -241,3 +241,67 @@ fn a_field_that_is_no_number_stalls() {
     let done = Hermite::default().advance(&masses(&[1.0, 1.0]), (&mut x, &mut v), 1.0);
     assert!(done.is_err());
 }
+
+/// Height, over what the impulse 2 G m/(b w) makes of it, of a massless body on a circular orbit a fifth of a radian after one of mass `m` has
+/// passed above it at the distance b with the velocity w.
+fn deflection(m: f64) -> f64 {
+    let (b, w, time) = (1e-4, 0.5, 0.2);
+    let mut x = vec![Vec3::x(), Vec3::x() + Vec3::z() * b];
+    let mut v = vec![Vec3::y(), Vec3::y() + Vec3::x() * w];
+    for (x, v) in x.iter_mut().zip(&mut v) {
+        kepler::drift(1.0, -time, x, v).expect("an orbit");
+    }
+    hermite(0.01)
+        .advance(
+            &Masses::new(1.0, 1.0, &[0.0, m]),
+            (&mut x, &mut v),
+            2.0 * time,
+        )
+        .expect("a way");
+    x[0].z / (2.0 * m / (b * w) * time.sin())
+}
+
+#[test]
+fn a_small_body_does_not_pass_unseen() {
+    for m in [1e-9, 1e-12] {
+        let part = deflection(m);
+        println!("{m:e}: {part}");
+        assert!((part - 1.0).abs() < 1.6e-5, "{m:e}: {part}");
+    }
+}
+
+/// A centre, and others whose pull is rounding alone.
+struct Faded(f64);
+
+impl Field for Faded {
+    type Common = ();
+
+    fn common(&self, _: &[Vec3], _: &[Vec3]) {}
+
+    fn centre(&self, _: usize) -> [f64; 2] {
+        [1.0, 0.0]
+    }
+
+    fn pull(&self, i: usize, x: &[Vec3], v: &[Vec3], (): &()) -> [Vec3; 2] {
+        [x[i], v[i]].map(|vector| vector.map(|part| self.0 * (1e9 * part).sin()))
+    }
+}
+
+#[test]
+fn what_fades_away_costs_no_steps() {
+    let steps = |size: f64| {
+        let (field, mut hermite) = (Faded(size), hermite(0.01));
+        hermite
+            .begin(&field, std::iter::once((Vec3::x(), Vec3::y())), 6.0)
+            .expect("a way");
+        let mut count = 0;
+        while hermite.now < SPAN {
+            hermite.step(&field).expect("a step");
+            count += 1;
+        }
+        count
+    };
+    let alone = steps(0.0);
+    println!("{alone} steps");
+    assert!(alone > 30 && steps(1e-14) <= alone + 2);
+}

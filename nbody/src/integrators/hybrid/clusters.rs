@@ -20,6 +20,12 @@ pub struct Clusters {
 }
 
 impl Clusters {
+    /// Members in all, and in the largest cluster.
+    pub fn sizes(&self) -> (usize, usize) {
+        let sizes = (0..self.count()).map(|k| self.range(k).len());
+        (self.members.len(), sizes.max().unwrap_or(0))
+    }
+
     /// Joins bodies by `pairs`.
     pub fn join(&mut self, pairs: &[[u32; 2]]) {
         self.all.clear();

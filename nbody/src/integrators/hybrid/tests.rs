@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::bodies::Kind;
 use crate::gravity::{Accuracy, Method, Settings};
 use crate::integrators::gauss_radau::GaussRadau;
 use crate::integrators::problems::*;

@@ -1,6 +1,7 @@
 //! Tests of the columns.
 
 use super::*;
+use crate::columns;
 
 columns! {
     /// A test set.

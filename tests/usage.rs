@@ -1,13 +1,19 @@
-//! Timings: the phases of a run add up to what the operating system says it has cost.
+//! Usage: what runs take of time and memory as the operating system counts it.
 
 use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
 
-/// Runs the program; returns its CPU time as the system counts it, s.
+/// CPU time, s, and the most memory held at one time, bytes.
+struct Usage {
+    cpu_s: f64,
+    bytes: f64,
+}
+
+/// Runs the program to a good end.
 #[expect(clippy::zombie_processes, reason = "wait4 waits for it")]
-fn cpu_seconds(arguments: &[&str]) -> f64 {
+fn usage(arguments: &[&str]) -> Usage {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tridisk"));
     let child = command.args(arguments).spawn().expect("the program starts");
     let pid = child.id() as libc::pid_t;
@@ -18,7 +24,16 @@ fn cpu_seconds(arguments: &[&str]) -> f64 {
     let ended = unsafe { libc::wait4(pid, &raw mut status, 0, &raw mut usage) };
     assert_eq!((ended, status), (pid, 0), "the run ends well");
     let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
-    seconds(usage.ru_utime) + seconds(usage.ru_stime)
+    // Linux counts pages in units of 1024 bytes, macOS in bytes.
+    let unit = if cfg!(target_os = "macos") {
+        1.0
+    } else {
+        1024.0
+    };
+    Usage {
+        cpu_s: seconds(usage.ru_utime) + seconds(usage.ru_stime),
+        bytes: unit * usage.ru_maxrss as f64,
+    }
 }
 
 #[test]
@@ -26,7 +41,7 @@ fn the_phases_of_a_run_add_up_to_its_cpu_time() {
     let folder = TempDir::new().expect("a folder");
     let output = folder.path().to_string_lossy().into_owned();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("coupled/embryo-in-disk.toml");
-    let spent = cpu_seconds(&[
+    let spent = usage(&[
         "run",
         &scene.to_string_lossy(),
         "--output",
@@ -40,7 +55,8 @@ fn the_phases_of_a_run_add_up_to_its_cpu_time() {
         "gas.particles=4000",
         "--set",
         "dust.particles=1000",
-    ]);
+    ])
+    .cpu_s;
     let text = std::fs::read_to_string(folder.path().join("timings.json")).expect("timings");
     let timings: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let phases = timings["phases"].as_object().expect("phases");
@@ -50,4 +66,38 @@ fn the_phases_of_a_run_add_up_to_its_cpu_time() {
     assert!((sum / said - 1.0).abs() < 1e-6, "{sum} of {said}");
     // What the program does before its stopwatch starts is left out.
     assert!((sum / spent - 1.0).abs() < 0.05, "{sum} s of {spent} s");
+}
+
+/// Bytes that the most crowded moment of three steps of the million planetesimals takes if they are `number`.
+fn most_memory(number: usize) -> f64 {
+    let folder = TempDir::new().expect("a folder");
+    let output = folder.path().to_string_lossy().into_owned();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("nbody/million-planetesimals.toml");
+    usage(&[
+        "run",
+        &scene.to_string_lossy(),
+        "--output",
+        &output,
+        "--quiet",
+        "--threads",
+        "2",
+        "--end-time",
+        "0.02 yr",
+        "--set",
+        &format!("planetesimals.number={number}"),
+    ])
+    .bytes
+}
+
+#[test]
+fn many_planetesimals_take_less_than_300_bytes_each() {
+    let n = 400_000;
+    let (many, few) = (most_memory(n), most_memory(3000));
+    let each = (many - few) / n as f64;
+    println!(
+        "{:.1} MB, of few {:.1} MB: {each:.0} bytes a body",
+        many / 1e6,
+        few / 1e6
+    );
+    assert!(each < 300.0, "{each} bytes a body");
 }
