@@ -20,19 +20,26 @@ pub struct Done {
     folder: TempDir,
 }
 
-/// Runs a shipped scene with overrides.
-pub fn run(name: &str, overrides: &[&str]) -> Done {
+/// A shipped scene with overrides.
+pub fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    let scene =
-        Scene::load(&shipped(name), &overrides).unwrap_or_else(|refusal| panic!("{refusal}"));
-    go(scene)
+    Scene::load(&shipped(name), &overrides).unwrap_or_else(|refusal| panic!("{refusal}"))
 }
 
-/// Whether a shipped scene ends bit for bit the same when its run stops after so many of its snapshots' intervals and is resumed there.
-pub fn resumes(name: &str, overrides: &[&str], intervals: f64) -> bool {
-    let whole = run(name, overrides);
-    let all: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    let scene = Scene::load(&shipped(name), &all).unwrap_or_else(|refusal| panic!("{refusal}"));
+/// A scene given as text.
+pub fn parsed(text: &str) -> Scene {
+    let scene = Scene::parse(text, "trial", Path::new("."), &[]);
+    scene.unwrap_or_else(|problems| panic!("{problems:?}"))
+}
+
+/// Runs a shipped scene with overrides.
+pub fn run(name: &str, overrides: &[&str]) -> Done {
+    go(scene(name, overrides))
+}
+
+/// Whether a scene ends bit for bit the same when its run stops after so many of its snapshots' intervals and is resumed there.
+pub fn resumes(scene: Scene, intervals: f64) -> bool {
+    let whole = go(scene.clone());
     let folder = TempDir::new().expect("a folder");
     let options = |end_time: Option<f64>| Options {
         output: folder.path().to_path_buf(),
@@ -54,8 +61,7 @@ pub fn resumes(name: &str, overrides: &[&str], intervals: f64) -> bool {
 
 /// Runs a scene given as text.
 pub fn run_text(text: &str) -> Done {
-    let scene = Scene::parse(text, "trial", Path::new("."), &[]);
-    go(scene.unwrap_or_else(|problems| panic!("{problems:?}")))
+    go(parsed(text))
 }
 
 fn go(scene: Scene) -> Done {

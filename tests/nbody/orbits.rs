@@ -60,8 +60,7 @@ fn the_corrected_jacobi_map_keeps_the_outer_solar_systems_energy_to_rounding() {
 #[test]
 fn a_jacobi_run_resumed_halfway_ends_bit_for_bit_as_an_unbroken_one() {
     assert!(bench::resumes(
-        "nbody/outer-solar-system.toml",
-        &JACOBI,
+        bench::scene("nbody/outer-solar-system.toml", &JACOBI),
         5.0
     ));
 }

@@ -9,7 +9,6 @@ use nbody::points::random::{Purpose, stream};
 use nbody::points::{Columns, Vec3};
 
 use super::disk::Disk;
-use super::glass::Density;
 use super::layer::Layer;
 use super::{Resolution, mirrored};
 

@@ -9,7 +9,7 @@ use rand::RngExt;
 use super::glass::{Glass, Uniform};
 
 /// Sweeps that a glass is settled for.
-const SWEEPS: usize = 60;
+const SWEEPS: usize = 25;
 
 /// The box [lo, hi) and its axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +112,7 @@ impl Block {
         let volume = self.volume() / x.len() as f64;
         let mut glass = Glass::new(x, |_| volume, domain, &Uniform);
         glass.settle(SWEEPS);
-        glass.x.iter().map(|x| x + self.lo).collect()
+        glass.points().0.iter().map(|x| x + self.lo).collect()
     }
 
     /// The cell with which a lattice of this block has about `n` points; exactly n where n suits the block.
