@@ -4,7 +4,7 @@
 //! give to gas and dust they receive in turn at once, if they are active, or at their next tick.
 
 use gas::Hydro;
-use nbody::points::clock::Pacing;
+use nbody::points::clock::{Centre, Pacing};
 use nbody::points::{Clock, Fault, Vec3, sum};
 
 use crate::System;
@@ -44,9 +44,35 @@ impl Operator for Density {
 /// What star and planets receive of the pulls that they exert on gas and dust.
 #[derive(Clone, Copy, Debug)]
 pub struct Reaction {
+    /// Whether the star pulls the fluid.
+    pub pulled: bool,
     /// Whether the fluid pulls star, and planets.
     pub on: [bool; 2],
     pub softening: Softening,
+}
+
+/// The weight in time of a kick, and the step that it is part of.
+struct Weight {
+    time: f64,
+    step: f64,
+}
+
+impl Weight {
+    /// Of the kick that closes a step.
+    fn closing(system: &System, begin: u32, span: u32) -> Self {
+        Self {
+            time: system.closing(begin, span),
+            step: f64::from(span) * system.clock.unit(),
+        }
+    }
+
+    /// Of the kick that opens a step.
+    fn opening(system: &System, span: u32) -> Self {
+        Self {
+            time: system.opening(span),
+            step: f64::from(span) * system.next.unit(),
+        }
+    }
 }
 
 /// The particles that react, with the weight in time of their kick now.
@@ -60,44 +86,62 @@ struct Kicked<'a> {
 }
 
 impl Kicked<'_> {
-    /// Net impulse and torque of `gravity` on those that are kicked, weighted by `weight(i)`; of none where there is none.
-    fn stray(&self, gravity: &[Vec3], weight: impl Fn(usize) -> f64 + Sync) -> Stray {
-        if gravity.is_empty() {
-            return Stray::default();
-        }
+    /// Net impulse and torque of the pulls `pull(i)`, each with its weight in time, on those that are kicked.
+    fn stray(&self, pull: impl Fn(usize) -> (Vec3, f64) + Sync) -> Stray {
         sum::ordered(self.active.len(), Stray::default(), |range| {
             (self.active[range].iter()).fold(Stray::default(), |sum, &i| {
                 let i = i as usize;
-                let impulse = gravity[i] * (self.m[i] * weight(i));
-                sum + Stray::at(self.x[i], impulse)
+                let (pull, weight) = pull(i);
+                sum + Stray::at(self.x[i], pull * (self.m[i] * weight))
             })
         })
     }
 }
 
 impl Reaction {
-    /// What star and planets receive that balances their pulls on `kicked`, weighted by `weight(i)`.
+    /// The star, if it pulls the fluid.
+    fn centre(self, system: &System) -> Centre {
+        match system.seen.star_x.first() {
+            Some(&x) if self.pulled => Centre {
+                x,
+                gm: system.g * system.star.m[0],
+            },
+            _ => Centre::default(),
+        }
+    }
+
+    /// What star and planets receive that balances their pulls on `kicked`, in steps of `pace(i)`.
     fn act(
         self,
         (g, heavies, mut received): (f64, &[Heavy], Vec<Vec3>),
+        centre: &Centre,
         kicked: &Kicked,
-        weight: impl Fn(usize) -> f64 + Sync,
+        pace: impl Fn(usize) -> Weight + Sync,
     ) -> Given {
         let active = kicked.active;
+        let lacking = |i: usize, dt: f64| centre.lacking(kicked.x[i], dt);
         received.clear();
         received.extend(heavies.iter().map(|heavy| {
             if !self.on[usize::from(!heavy.star)] {
                 return Vec3::zeros();
             }
-            g * sum::ordered(active.len(), Vec3::zeros(), |range| {
+            sum::ordered(active.len(), Vec3::zeros(), |range| {
                 active[range].iter().fold(Vec3::zeros(), |sum, &i| {
-                    let i = i as usize;
-                    let pull = heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0;
-                    sum - pull * (kicked.m[i] * weight(i))
+                    let (i, Weight { time, step }) = (i as usize, pace(i as usize));
+                    let mut pull = g * heavy.pull(kicked.x[i], self.softening.of(kicked.h[i])).0;
+                    if heavy.star {
+                        pull += lacking(i, step);
+                    }
+                    sum - pull * (kicked.m[i] * time)
                 })
             })
         }));
-        let given = kicked.stray(kicked.gravity, &weight);
+        let given = kicked.stray(|i| {
+            let Weight { time, step } = pace(i);
+            let gravity = kicked.gravity.get(i).copied();
+            let gravity = gravity.unwrap_or_else(Vec3::zeros);
+            (gravity + lacking(i, step), time)
+        });
         let stray = (heavies.iter().zip(&received))
             .fold(given, |sum, (heavy, &back)| sum + Stray::at(heavy.x, back));
         Given { received, stray }
@@ -157,15 +201,16 @@ impl Steps {
 }
 
 impl KickGas {
-    /// Lets star and planets react to the pulls that kick with `weight`, and notes the net effect of the field that kicks with `of_field`.
+    /// Lets star and planets react to the pulls that kick at `pace`, and notes the net effect of the field that kicks with `of_field`.
     fn react(
         &self,
         system: &mut System,
-        weight: impl Fn(&System, usize) -> f64 + Sync,
+        pace: impl Fn(&System, usize) -> Weight + Sync,
         of_field: impl Fn(&System, usize) -> f64 + Sync,
     ) {
         let heavies = heavies(system);
         let memory = std::mem::take(&mut system.given);
+        let centre = self.reaction.centre(system);
         let gas = &system.gas.particles;
         let kicked = Kicked {
             x: &gas.x,
@@ -174,16 +219,17 @@ impl KickGas {
             gravity: &system.gas.rates.gravity,
             active: system.gas.active_ones(),
         };
-        let mut given =
-            (self.reaction).act((system.g, &heavies, memory), &kicked, |i| weight(system, i));
-        let field = kicked.stray(&system.gas.rates.field, |i| {
-            if system.gas.field_ends(&system.clock, i) {
-                of_field(system, i)
-            } else {
-                0.0
-            }
+        let mut given = (self.reaction).act((system.g, &heavies, memory), &centre, &kicked, |i| {
+            pace(system, i)
         });
-        given.stray = given.stray + field;
+        if system.gas.has_field() {
+            let field = kicked.stray(|i| {
+                let ends = system.gas.field_ends(&system.clock, i);
+                let weight = if ends { of_field(system, i) } else { 0.0 };
+                (system.gas.rates.field[i], weight)
+            });
+            given.stray = given.stray + field;
+        }
         receive(system, heavies, given);
     }
 
@@ -229,10 +275,11 @@ impl Operator for KickGas {
         self.book(system, |system| {
             self.react(
                 system,
-                |s, i| s.closing(s.gas.particles.begin[i], s.gas.particles.span[i]),
+                |s, i| Weight::closing(s, s.gas.particles.begin[i], s.gas.particles.span[i]),
                 |s, i| s.gas.field_closing(&s.clock, i),
             );
-            let heat = system.gas.close(&self.hydro, &system.clock);
+            let centre = self.reaction.centre(system);
+            let heat = system.gas.close(&self.hydro, &system.clock, &centre);
             system.ledger.take(heat);
         });
         Ok(true)
@@ -243,10 +290,12 @@ impl Operator for KickGas {
         self.book(system, |system| {
             self.react(
                 system,
-                |s, i| s.opening(s.gas.rates.next_span[i]),
+                |s, i| Weight::opening(s, s.gas.rates.next_span[i]),
                 |s, i| s.opening(s.gas.rates.next_field_span[i]),
             );
-            let heat = system.gas.open(&self.hydro, &system.clock, &system.next);
+            let centre = self.reaction.centre(system);
+            let (clock, next) = (&system.clock, &system.next);
+            let heat = system.gas.open(&self.hydro, clock, next, &centre);
             system.ledger.take(heat);
         });
         Ok(true)
@@ -273,9 +322,10 @@ impl KickDust {
         }
     }
 
-    fn react(&self, system: &mut System, weight: impl Fn(&System, usize) -> f64 + Sync) {
+    fn react(&self, system: &mut System, pace: impl Fn(&System, usize) -> Weight + Sync) {
         let heavies = heavies(system);
         let memory = std::mem::take(&mut system.given);
+        let centre = self.reaction.centre(system);
         let dust = &system.dust.particles;
         let kicked = Kicked {
             x: &dust.x,
@@ -284,8 +334,9 @@ impl KickDust {
             gravity: &system.dust.rates.gravity,
             active: &self.active,
         };
-        let given =
-            (self.reaction).act((system.g, &heavies, memory), &kicked, |i| weight(system, i));
+        let given = (self.reaction).act((system.g, &heavies, memory), &centre, &kicked, |i| {
+            pace(system, i)
+        });
         receive(system, heavies, given);
     }
 }
@@ -313,16 +364,18 @@ impl Operator for KickDust {
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Dust);
         self.react(system, |s, i| {
-            s.closing(s.dust.particles.begin[i], s.dust.particles.span[i])
+            Weight::closing(s, s.dust.particles.begin[i], s.dust.particles.span[i])
         });
-        system.dust.close(&system.clock);
+        let centre = self.reaction.centre(system);
+        system.dust.close(&system.clock, &centre);
         Ok(true)
     }
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Dust);
-        self.react(system, |s, i| s.opening(s.dust.rates.next_span[i]));
-        system.dust.open(&system.clock, &system.next);
+        self.react(system, |s, i| Weight::opening(s, s.dust.rates.next_span[i]));
+        let centre = self.reaction.centre(system);
+        system.dust.open(&system.clock, &system.next, &centre);
         Ok(true)
     }
 }

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use gas::{Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
-use nbody::points::clock::Pacing;
+use nbody::points::clock::{Centre, Pacing};
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
 use rand::RngExt;
@@ -77,8 +77,8 @@ fn main() {
             gas.forces(&hydro, &clock, &next);
         });
         timed(3, &mut || {
-            gas.close(&hydro, &clock);
-            gas.open(&hydro, &clock, &next);
+            gas.close(&hydro, &clock, &Centre::default());
+            gas.open(&hydro, &clock, &next, &Centre::default());
         });
         let tick = gas.next_tick();
         clock = Clock { tick, ..next };

@@ -1,6 +1,6 @@
 //! Gas alone on the clock: the order of a step without any other population or gravity.
 
-use nbody::points::clock::Pacing;
+use nbody::points::clock::{Centre, Pacing};
 use nbody::points::{Clock, Fault, Vec3, clock};
 
 use crate::{Gas, Heat, Hydro};
@@ -39,7 +39,9 @@ pub fn advance(
         let updates = gas.density(hydro, &clock, Vec3::zeros())?;
         gas.steps(hydro, &clock, &next, &Pacing::free(f64::INFINITY))?;
         let targets = gas.forces(hydro, &clock, &next);
-        account.heat = account.heat.and(gas.close(hydro, &clock));
+        account.heat = account
+            .heat
+            .and(gas.close(hydro, &clock, &Centre::default()));
         if last {
             gas.rest();
             return Ok(account);
@@ -47,7 +49,9 @@ pub fn advance(
         account.updates += updates;
         account.targets += targets;
         account.ticks += 1;
-        account.heat = account.heat.and(gas.open(hydro, &clock, &next));
+        account.heat = account
+            .heat
+            .and(gas.open(hydro, &clock, &next, &Centre::default()));
         clock = next;
         let tick = gas.next_tick().min(clock::TICKS);
         clock.tick = tick;

@@ -302,6 +302,7 @@ fn operators(
         }));
     }
     let reaction = |fluid: Mass, softening: Softening| Reaction {
+        pulled: scene.gravity.pulls.has(Mass::Star, fluid),
         on: [
             scene.gravity.pulls.has(fluid, Mass::Star),
             scene.gravity.pulls.has(fluid, Mass::Planets),

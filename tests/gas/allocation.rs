@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use gas::{Gas, Hydro, Particles};
-use nbody::points::clock::{Pacing, TICKS};
+use nbody::points::clock::{Centre, Pacing, TICKS};
 use nbody::points::{Clock, Columns, Domain, Vec3};
 
 /// The system's allocator, which counts what threads ask of it that are counted.
@@ -93,8 +93,8 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
         gas.steps(hydro, &clock, &next, &Pacing::free(base))
             .expect("a step");
         gas.forces(hydro, &clock, &next);
-        gas.close(hydro, &clock);
-        gas.open(hydro, &clock, &next);
+        gas.close(hydro, &clock, &Centre::default());
+        gas.open(hydro, &clock, &next, &Centre::default());
         let made = CALLS.load(Ordering::Relaxed) - before;
         if clock.step + 1 == steps {
             calls[usize::from(!synchronous)] += made;

@@ -1,7 +1,7 @@
 //! Kicks of the gas near the active particles, at the ends of steps: leaf by leaf, heat booked in the order of the leaves.
 
 use nbody::points::sum::Parts;
-use nbody::points::{Clock, Vec3, clock};
+use nbody::points::{Clock, Vec3, clock, clock::Centre};
 use rayon::prelude::*;
 
 use super::{Heat, LEAST_PART};
@@ -63,6 +63,7 @@ impl Kicked<'_> {
 
 /// What tells a kick about a particle.
 struct Impulses<'a> {
+    x: &'a [Vec3],
     m: &'a [f64],
     dv: &'a [Vec3],
     du: &'a [f64],
@@ -73,15 +74,17 @@ struct Impulses<'a> {
 }
 
 impl Gas {
-    /// Kicks that close the steps ending now.
-    pub fn close(&mut self, hydro: &Hydro, clock: &Clock) -> Heat {
+    /// Kicks that close the steps ending now; `centre` is the star, if it pulls the gas.
+    pub fn close(&mut self, hydro: &Hydro, clock: &Clock, centre: &Centre) -> Heat {
         let ending = |end: u32| clock.synchronous() || end == clock.tick;
         self.kick(true, |kicked, given, (k, i), heat| {
             kicked.v[k] += given.dv[i];
             let active = ending(kicked.end[k]);
             if active {
                 let ticks = clock::closing(clock.tick, kicked.begin[k], kicked.span[k]);
-                kicked.v[k] += ticks * clock.unit() * given.pulls.gravity(i);
+                let dt = f64::from(kicked.span[k]) * clock.unit();
+                let pull = given.pulls.gravity(i) + centre.lacking(given.x[i], dt);
+                kicked.v[k] += ticks * clock.unit() * pull;
             }
             kicked.warm(hydro, k, (given.m[i], given.du[i]), heat);
             if active {
@@ -93,14 +96,16 @@ impl Gas {
         })
     }
 
-    /// Kicks that open the steps beginning now.
-    pub fn open(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock) -> Heat {
+    /// Kicks that open the steps beginning now; `centre` as in [`Gas::close`].
+    pub fn open(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock, centre: &Centre) -> Heat {
         let ending = |end: u32| clock.synchronous() || end == clock.tick;
         let heat = self.kick(false, |kicked, given, (k, i), heat| {
             kicked.v[k] += given.dv[i];
             if ending(kicked.end[k]) {
                 let span = given.next_span[i];
-                kicked.v[k] += clock::opening(span) * next.unit() * given.pulls.gravity(i);
+                let dt = f64::from(span) * next.unit();
+                let pull = given.pulls.gravity(i) + centre.lacking(given.x[i], dt);
+                kicked.v[k] += clock::opening(span) * next.unit() * pull;
                 if let Some(&pull) = given.pulls.field.get(i)
                     && (clock.synchronous()
                         || kicked.field_begin[k] + kicked.field_span[k] == clock.tick)
@@ -128,6 +133,7 @@ impl Gas {
     ) -> Heat {
         let (p, r) = (&mut self.particles, &mut self.rates);
         let given = Impulses {
+            x: &p.x,
             m: &p.m,
             dv: if closing { &r.dv_close } else { &r.dv_open },
             du: if closing { &r.du_close } else { &r.du_open },

@@ -1,6 +1,6 @@
 //! Tests of `vicinity`.
 
-use nbody::points::clock::{Pacing, TICKS};
+use nbody::points::clock::{Centre, Pacing, TICKS};
 use nbody::points::{Domain, Vec3};
 
 use super::*;
@@ -27,8 +27,8 @@ fn running(hydro: &Hydro) -> (Gas, Clock) {
         gas.forces(hydro, &clock, &next);
         gas.steps(hydro, &clock, &next, &pacing).expect("a step");
         gas.forces(hydro, &clock, &next);
-        gas.close(hydro, &clock);
-        gas.open(hydro, &clock, &next);
+        gas.close(hydro, &clock, &Centre::default());
+        gas.open(hydro, &clock, &next, &Centre::default());
         clock = Clock {
             tick: gas.next_tick().min(TICKS),
             ..next
