@@ -90,7 +90,7 @@ fn most_memory(number: usize) -> f64 {
 }
 
 #[test]
-fn many_planetesimals_take_less_than_300_bytes_each() {
+fn many_planetesimals_take_a_quarter_of_a_kilobyte_each() {
     let n = 400_000;
     let (many, few) = (most_memory(n), most_memory(3000));
     let each = (many - few) / n as f64;
@@ -99,5 +99,6 @@ fn many_planetesimals_take_less_than_300_bytes_each() {
         many / 1e6,
         few / 1e6
     );
-    assert!(each < 300.0, "{each} bytes a body");
+    // 254 without what the program itself takes.
+    assert!(each < 262.0, "{each} bytes a body");
 }

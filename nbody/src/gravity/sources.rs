@@ -150,3 +150,35 @@ impl Sources {
         self.m.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_and_boxes_are_those_of_the_columns() {
+        let n = 60;
+        let f = |i: usize, k: f64| (i as f64 * k).fract();
+        let x: Vec<Vec3> = (0..n)
+            .map(|i| Vec3::new(f(i, 0.618_034), f(i, 0.414_214), f(i, 0.732_051)))
+            .collect();
+        let order: Vec<u32> = (0..n as u32).map(|k| k * 7 % n as u32).collect();
+        for (every, softer) in [(1, 0.0), (1, 0.1), (3, 0.0), (3, 0.1)] {
+            let m: Vec<f64> = (0..n).map(|i| f64::from(i % every == 0)).collect();
+            let softening: Vec<f64> = (0..n).map(|i| 0.2 + softer * f(i, 0.3)).collect();
+            let mut sources = Sources::default();
+            sources.take(&order, &x, &m, &softening);
+            for (k, &i) in order.iter().enumerate() {
+                let (i, target) = (i as usize, sources.target(k));
+                assert_eq!((target.x, target.eps2), (x[i], softening[i].powi(2)));
+                assert_eq!(target.source != NO_SOURCE, m[i] > 0.0);
+            }
+            for first in 0..n - 5 {
+                let own = order[first..first + 5].iter().map(|&i| x[i as usize]);
+                let (lo, hi) = sources.bounds(first..first + 5);
+                assert_eq!(lo, own.clone().reduce(|a, b| a.inf(&b)).expect("five"));
+                assert_eq!(hi, own.reduce(|a, b| a.sup(&b)).expect("five"));
+            }
+        }
+    }
+}
