@@ -1,7 +1,7 @@
 //! Individual time steps: what they save in a gas disk whose orbital times span a factor of 1000, at equal error.
 //!
-//! The same disk is run over one base step with individual steps, with one step for all as short as the shortest of those, and with
-//! individual steps a quarter as long, from which errors are counted. Where the disk is chaotic, near its inner edge, steps of 0.3 differ
+//! The same disk is run over one base step with individual steps, with half of these, with one step for all as short as the shortest of the first, and
+//! with individual steps a quarter as long, from which errors are counted. Where the disk is chaotic, near its inner edge, steps of 0.3 differ
 //! from those of a quarter nearly as much as whole ones do; that difference is told too. So one realisation says little: errors are the
 //! roots of mean squares over disks of several seeds, and the standard error of their ratio is that of leaving out each in turn.
 
@@ -177,22 +177,32 @@ fn squares(run: &Run, reference: &Run) -> Squares {
     [places, speeds, masses, velocities].map(|error| error * error)
 }
 
-/// What the disk of one seed gives: of individual steps, of one step for all, and of steps near the reference's.
+/// The runs of a disk: of individual steps as the settings ask for and of half of those, of one step for all, and of steps near the reference's.
+const RUNS: [&str; 4] = [
+    "individual steps",
+    "half of individual steps",
+    "one step for all",
+    "nearly the reference",
+];
+const COMMON: usize = 2;
+
+/// What the disk of one seed gives, by run.
 struct Sample {
-    squares: [Squares; 3],
-    updates: [f64; 2],
-    cpu_s: [f64; 2],
+    squares: [Squares; RUNS.len()],
+    updates: [f64; RUNS.len()],
+    cpu_s: [f64; RUNS.len()],
 }
 
 fn sample(seed: u64) -> Result<Sample, String> {
     let individual = run(seed, &[])?;
     let step = individual.system.clock.end / individual.ticks as f64;
     let global = run(seed, &[format!("run.time_step={step}")])?;
-    let (fine, finer) = (refined(seed, 0.3)?, refined(seed, 0.25)?);
+    let runs = [individual, refined(seed, 0.5)?, global, refined(seed, 0.3)?];
+    let finer = refined(seed, 0.25)?;
     Ok(Sample {
-        squares: [&individual, &global, &fine].map(|run| squares(run, &finer)),
-        updates: [&individual, &global].map(|run| run.updates as f64),
-        cpu_s: [&individual, &global].map(|run| run.cpu_s),
+        squares: runs.each_ref().map(|run| squares(run, &finer)),
+        updates: runs.each_ref().map(|run| run.updates as f64),
+        cpu_s: runs.each_ref().map(|run| run.cpu_s),
     })
 }
 
@@ -224,53 +234,55 @@ fn measured() -> Result<Vec<Row>, String> {
         uncertainty,
         bar,
     };
-    let saved = ratio(&samples, [&|s| s.updates[1], &|s| s.updates[0]], |x| x);
-    let cost = ratio(&samples, [&|s| s.cpu_s[0], &|s| s.cpu_s[1]], |x| x);
-    let each = |k: usize| (sum(&samples, |s| s.cpu_s[k]) / SEEDS as f64, 0.0);
-    let mut rows = vec![
-        row(
-            "updates with one step for all, by those of individual steps".to_owned(),
-            saved,
-            Bar::None,
-        ),
-        row(
-            "CPU time, one step for all (s)".to_owned(),
-            each(1),
-            Bar::None,
-        ),
-        row(
-            "CPU time, individual steps (s)".to_owned(),
-            each(0),
-            Bar::None,
-        ),
-        row(
-            "CPU time of individual steps by that of one step".to_owned(),
-            cost,
-            Bar::Limit([0.0625, 0.125]),
-        ),
-    ];
-    let kinds = [
-        (1, "one step for all"),
-        (0, "individual steps"),
-        (2, "nearly the reference"),
-    ];
-    for (k, (what, judged)) in ERRORS.into_iter().enumerate() {
-        for (kind, name) in kinds {
+    let mut rows = Vec::new();
+    for (k, name) in RUNS.into_iter().enumerate() {
+        let cost = ratio(&samples, [&|s| s.cpu_s[k], &|_| 1.0], |x| x);
+        rows.push(row(format!("CPU time (s): {name}"), cost, Bar::None));
+    }
+    for (k, (what, _)) in ERRORS.into_iter().enumerate() {
+        for (kind, name) in RUNS.into_iter().enumerate() {
             let rms = ratio(&samples, [&|s| s.squares[kind][k], &|_| 1.0], f64::sqrt);
             rows.push(row(format!("error of {what}: {name}"), rms, Bar::None));
         }
-        let quotient = ratio(
-            &samples,
-            [&|s| s.squares[0][k], &|s| s.squares[1][k]],
-            f64::sqrt,
-        );
-        let bar = if judged {
-            Bar::Limit([1.1, 1.5])
-        } else {
-            Bar::None
+    }
+    // Errors of half of the steps are those of one step for all: there the cost is judged.
+    for (kind, at_equal_error) in [(0, false), (1, true)] {
+        let name = RUNS[kind];
+        let bar = |bar: [f64; 2], judged: bool| {
+            if judged && at_equal_error {
+                Bar::Limit(bar)
+            } else {
+                Bar::None
+            }
         };
-        let what = format!("error of {what}: individual by one step");
-        rows.push(row(what, quotient, bar));
+        let saved = ratio(
+            &samples,
+            [&|s| s.updates[COMMON], &|s| s.updates[kind]],
+            |x| x,
+        );
+        let cost = ratio(&samples, [&|s| s.cpu_s[kind], &|s| s.cpu_s[COMMON]], |x| x);
+        rows.push(row(
+            format!("updates with one step for all, by those of {name}"),
+            saved,
+            Bar::None,
+        ));
+        rows.push(row(
+            format!("CPU time of {name} by that of one step for all"),
+            cost,
+            bar([0.0625, 0.125], true),
+        ));
+        for (k, (what, judged)) in ERRORS.into_iter().enumerate() {
+            let quotient = ratio(
+                &samples,
+                [&|s| s.squares[kind][k], &|s| s.squares[COMMON][k]],
+                f64::sqrt,
+            );
+            rows.push(row(
+                format!("error of {what}: {name} by one step for all"),
+                quotient,
+                bar([1.1, 1.5], judged),
+            ));
+        }
     }
     Ok(rows)
 }
@@ -282,9 +294,9 @@ mod tests {
     #[test]
     fn a_ratio_of_means_has_the_standard_error_of_its_parts() {
         let sample = |square: f64| Sample {
-            squares: [[square; 4], [2.0; 4], [1.0; 4]],
-            updates: [1.0; 2],
-            cpu_s: [1.0; 2],
+            squares: [[square; 4], [2.0; 4], [1.0; 4], [1.0; 4]],
+            updates: [1.0; 4],
+            cpu_s: [1.0; 4],
         };
         let samples = [1.0, 4.0, 2.0, 5.0].map(sample);
         let parts: [&dyn Fn(&Sample) -> f64; 2] = [&|s| s.squares[0][0], &|s| s.squares[1][0]];

@@ -1,0 +1,87 @@
+//! Kicks of the dust by gravity.
+
+use nbody::points::Fault;
+
+use super::Steps;
+use super::reaction::{Kicked, Reaction, Weight, receive};
+use crate::System;
+use crate::gravity::heavies;
+use crate::operator::{Meter, Operator, Phase};
+
+/// Kicks of the dust.
+pub struct KickDust {
+    pub pacing: Steps,
+    /// Part of the time in which gravity, but for the star's, moves a grain by a smoothing length.
+    pub force: f64,
+    pub reaction: Reaction,
+    /// Places of the dust whose step ends now.
+    active: Vec<u32>,
+}
+
+impl KickDust {
+    pub fn new(pacing: Steps, force: f64, reaction: Reaction) -> Self {
+        Self {
+            pacing,
+            force,
+            reaction,
+            active: Vec::new(),
+        }
+    }
+
+    fn react(&self, system: &mut System, pace: impl Fn(&System, usize) -> Weight + Sync) {
+        let heavies = heavies(system);
+        let memory = std::mem::take(&mut system.given);
+        let centre = self.reaction.centre(system);
+        let dust = &system.dust.particles;
+        let kicked = Kicked {
+            x: &dust.x,
+            m: &dust.m,
+            h: &dust.h,
+            gravity: &system.dust.rates.gravity,
+            active: &self.active,
+        };
+        let given = (self.reaction).act((system.g, &heavies, memory), &centre, &kicked, |i| {
+            pace(system, i)
+        });
+        receive(system, heavies, given);
+    }
+}
+
+impl Operator for KickDust {
+    fn name(&self) -> &'static str {
+        "kick dust"
+    }
+
+    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
+        meter.enter(Phase::Dust);
+        let pacing = self.pacing.of(system);
+        let ends = system.dust.particles.end.iter().enumerate();
+        self.active.clear();
+        self.active.extend(
+            ends.filter(|(_, end)| system.active(**end))
+                .map(|(i, _)| i as u32),
+        );
+        system
+            .dust
+            .steps(&pacing, self.force, &system.clock, &system.next)?;
+        Ok(())
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Dust);
+        self.react(system, |s, i| {
+            Weight::closing(s, s.dust.particles.begin[i], s.dust.particles.span[i])
+        });
+        let centre = self.reaction.centre(system);
+        system.dust.close(&system.clock, &centre);
+        Ok(true)
+    }
+
+    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        meter.enter(Phase::Dust);
+        self.react(system, |s, i| Weight::opening(s, s.dust.rates.next_span[i]));
+        let centre = self.reaction.centre(system);
+        system.dust.open(&system.clock, &system.next, &centre);
+        Ok(true)
+    }
+}
