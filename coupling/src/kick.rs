@@ -40,19 +40,15 @@ impl Steps {
     }
 }
 
-/// A base step may be longer than the bodies' by this part, as far as times between reports are rounded, and still be one step of theirs.
-const ROUNDING: f64 = 1e-9;
-
 /// The span in ticks of a bodies' step of at most `step`.
 pub(crate) fn span(next: &Clock, step: f64) -> Result<u32, Fault> {
-    next.span(step * (1.0 + ROUNDING))
-        .ok_or(Fault::StepTooSmall {
-            population: nbody::points::Population::Planetesimals,
-            id: 0,
-            step,
-            shortest: next.unit(),
-            time: next.time(),
-        })
+    next.span(step).ok_or(Fault::StepTooSmall {
+        population: nbody::points::Population::Planetesimals,
+        id: 0,
+        step,
+        shortest: next.unit(),
+        time: next.time(),
+    })
 }
 
 #[cfg(test)]

@@ -10,6 +10,9 @@
 
 use super::Vec3;
 
+/// A base step may be longer than a wanted step by this part, as far as times between reports are rounded, and still be one such step.
+const ROUNDING: f64 = 1e-9;
+
 /// Ticks a base step.
 pub const TICKS: u32 = 1 << 30;
 
@@ -152,11 +155,11 @@ impl Clock {
         }
     }
 
-    /// The longest step of at most `dt` that may begin now, in ticks; none if it is shorter than a tick.
+    /// The longest step of at most `dt`, but for rounding, that may begin now, in ticks; none if it is shorter than a tick.
     ///
     /// It is a power of two and divides the tick that it begins at.
     pub fn span(&self, dt: f64) -> Option<u32> {
-        let ticks = dt / self.unit();
+        let ticks = dt * (1.0 + ROUNDING) / self.unit();
         if ticks.is_nan() || ticks < 1.0 {
             return None;
         }
@@ -217,6 +220,16 @@ mod tests {
         assert_eq!(clock.span(2.0), Some(TICKS / 8));
         assert_eq!(clock.span(1e-12), None);
         assert_eq!(clock.span(f64::NAN), None);
+    }
+
+    #[test]
+    fn a_base_step_of_the_wanted_length_is_one_step_however_it_is_rounded() {
+        let mut clock = Clock::standing(0.0);
+        for k in 1..=100 {
+            clock = clock.next_base(f64::from(k) * 0.1, 0.1);
+            assert_eq!(clock.span(0.1), Some(TICKS), "{k}");
+            clock.tick = TICKS;
+        }
     }
 
     #[test]
