@@ -102,3 +102,58 @@ fn many_planetesimals_take_a_quarter_of_a_kilobyte_each() {
     // 254 without what the program itself takes.
     assert!(each < 262.0, "{each} bytes a body");
 }
+
+/// Bytes that the most crowded moment of two steps of a periodic box of `side`^3 gas particles takes, in single precision.
+fn most_memory_of_gas(side: u32) -> f64 {
+    let folder = TempDir::new().expect("a folder");
+    let scene = folder.path().join("box.toml");
+    let spacing = 1.0 / f64::from(side);
+    let step = 0.05 * spacing;
+    let text = format!(
+        r#"
+[run]
+end_time = {}
+time_step = {step}
+snapshots = "none"
+[units]
+system = "dimensionless"
+[domain]
+kind = "periodic"
+size = [1.0, 1.0, 1.0]
+[[gas.block]]
+lo = [0.0, 0.0, 0.0]
+hi = [1.0, 1.0, 1.0]
+lattice = "cubic"
+spacing = {spacing}
+density = 1.0
+pressure = 1.0
+[gas.hydro]
+precision = "single"
+[gas.viscosity]
+kind = "constant"
+"#,
+        2.0 * step
+    );
+    std::fs::write(&scene, text).expect("a scene");
+    let output = folder.path().join("run");
+    usage(&[
+        "run",
+        &scene.to_string_lossy(),
+        "--output",
+        &output.to_string_lossy(),
+        "--quiet",
+        "--threads",
+        "2",
+    ])
+    .bytes
+}
+
+#[test]
+fn a_gas_particle_takes_four_tenths_of_a_kilobyte() {
+    let (side, few) = (70_u32, 12_u32);
+    let more = f64::from(side.pow(3) - few.pow(3));
+    let each = (most_memory_of_gas(side) - most_memory_of_gas(few)) / more;
+    println!("{each:.0} bytes a gas particle");
+    // 399 without what the program itself takes; 375 to 405 at other numbers, by how full leaves are.
+    assert!(each < 410.0, "{each} bytes a gas particle");
+}
