@@ -68,31 +68,33 @@ fn the_phases_of_a_run_add_up_to_its_cpu_time() {
     assert!((sum / spent - 1.0).abs() < 0.05, "{sum} s of {spent} s");
 }
 
-/// Bytes that the most crowded moment of three steps of the million planetesimals takes if they are `number`.
-fn most_memory(number: usize) -> f64 {
+/// Bytes that the most crowded moment of a run takes.
+fn most_memory(scene: &Path, more: &[&str]) -> f64 {
     let folder = TempDir::new().expect("a folder");
-    let output = folder.path().to_string_lossy().into_owned();
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("nbody/million-planetesimals.toml");
-    usage(&[
+    let (scene, output) = (scene.to_string_lossy(), folder.path().to_string_lossy());
+    let run = [
         "run",
-        &scene.to_string_lossy(),
+        &scene,
         "--output",
         &output,
         "--quiet",
         "--threads",
         "2",
-        "--end-time",
-        "0.02 yr",
-        "--set",
-        &format!("planetesimals.number={number}"),
-    ])
-    .bytes
+    ];
+    usage(&[&run, more].concat()).bytes
+}
+
+/// The same of three steps of the million planetesimals if they are `number`.
+fn most_memory_of_bodies(number: usize) -> f64 {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("nbody/million-planetesimals.toml");
+    let number = format!("planetesimals.number={number}");
+    most_memory(&scene, &["--end-time", "0.02 yr", "--set", &number])
 }
 
 #[test]
 fn many_planetesimals_take_a_quarter_of_a_kilobyte_each() {
     let n = 400_000;
-    let (many, few) = (most_memory(n), most_memory(3000));
+    let (many, few) = (most_memory_of_bodies(n), most_memory_of_bodies(3000));
     let each = (many - few) / n as f64;
     println!(
         "{:.1} MB, of few {:.1} MB: {each:.0} bytes a body",
@@ -103,7 +105,7 @@ fn many_planetesimals_take_a_quarter_of_a_kilobyte_each() {
     assert!(each < 262.0, "{each} bytes a body");
 }
 
-/// Bytes that the most crowded moment of two steps of a periodic box of `side`^3 gas particles takes, in single precision.
+/// The same of two steps of a periodic box of `side`^3 gas particles in single precision.
 fn most_memory_of_gas(side: u32) -> f64 {
     let folder = TempDir::new().expect("a folder");
     let scene = folder.path().join("box.toml");
@@ -135,17 +137,7 @@ kind = "constant"
         2.0 * step
     );
     std::fs::write(&scene, text).expect("a scene");
-    let output = folder.path().join("run");
-    usage(&[
-        "run",
-        &scene.to_string_lossy(),
-        "--output",
-        &output.to_string_lossy(),
-        "--quiet",
-        "--threads",
-        "2",
-    ])
-    .bytes
+    most_memory(&scene, &[])
 }
 
 #[test]

@@ -23,20 +23,6 @@ pub struct DriftGas {
     pub observers: [bool; 3],
 }
 
-impl DriftGas {
-    fn whole(&self, system: &System) -> bool {
-        let [gas, dust, bodies] = self.observers;
-        let (own, clock) = (&system.gas, &system.clock);
-        self.always
-            || clock.synchronous()
-            || bodies && system.bodies_active()
-            || dust && system.dust.particles.end.contains(&clock.tick)
-            || gas
-                && (!own.has_field() && own.particles.end.contains(&clock.tick)
-                    || own.field_due(clock))
-    }
-}
-
 impl Operator for DriftGas {
     fn name(&self) -> &'static str {
         "drift gas"
@@ -48,7 +34,7 @@ impl Operator for DriftGas {
 
     fn cross(&mut self, system: &mut System, _: f64, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        if self.whole(system) {
+        if self.always || system.clock.synchronous() || system.feels(self.observers) {
             system.gas.arrive(&system.domain, &system.clock);
         }
         Ok(true)

@@ -220,6 +220,20 @@ impl System {
         self.active(self.pace.end)
     }
 
+    /// Whether any gas, dust or bodies of those asked for feel the field of all masses now: at the end of their step, or of that of the field.
+    pub fn feels(&self, [gas, dust, bodies]: [bool; 3]) -> bool {
+        let clock = &self.clock;
+        let ends = |column: &[u32]| column.contains(&clock.tick);
+        let gas_feels = || match self.gas.has_field() {
+            true => self.gas.field_due(clock),
+            false => ends(&self.gas.particles.end),
+        };
+        clock.synchronous()
+            || bodies && self.bodies_active()
+            || dust && ends(&self.dust.particles.end)
+            || gas && gas_feels()
+    }
+
     /// Weight, in time, with which a force taken now closes a step of the particle's own.
     pub fn closing(&self, begin: u32, span: u32) -> f64 {
         nbody::points::clock::closing(self.clock.tick, begin, span) * self.clock.unit()

@@ -1,7 +1,8 @@
 //! Time steps of the gas: how long they are, and the kicks and drifts that they are made of.
 //!
 //! dt <= 2 C h / v_sig,   dt <= C_f sqrt(h / |hydro + gravity - a_star|),   dt <= C_o / Omega about the star,
-//! dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009);   a [`field`](crate::field) with steps of its own has no part in a
+//! dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009);   a field with steps of its own has no part in
+//! the acceleration here (`field`)
 //!
 //! At a tick: `density`, `steps`, `forces`, `close`, `open`; then `refit` to the next tick, where who is looked at has drifted. A closed synchronous step has x, v
 //! and u at one time. Pair impulses also reach particles in mid-step; gravity of a particle is kicked at its own ends. Second order.

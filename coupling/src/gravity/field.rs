@@ -40,18 +40,7 @@ impl Field {
 
     /// Whether anybody feels the field now: else the tree may stay as it is.
     pub fn is_due(&self, system: &System) -> bool {
-        let [gas, dust, bodies] = self.targets;
-        let clock = &system.clock;
-        let ends = |column: &[u32]| column.contains(&clock.tick);
-        clock.synchronous()
-            || bodies && system.bodies_active()
-            || dust && ends(&system.dust.particles.end)
-            || gas
-                && if system.gas.has_field() {
-                    system.gas.field_due(clock)
-                } else {
-                    ends(&system.gas.particles.end)
-                }
+        system.feels(self.targets)
     }
 
     /// Brings the tree to the present positions: anew when everybody is active or the numbers have changed.

@@ -102,12 +102,15 @@ impl Reaction {
                 })
             })
         }));
-        let given = kicked.stray(|i| {
-            let Weight { time, step } = pace(i);
-            let gravity = kicked.gravity.get(i).copied();
-            let gravity = gravity.unwrap_or_else(Vec3::zeros);
-            (gravity + lacking(i, step), time)
-        });
+        // Without gravity there is nothing to react to.
+        let given = if kicked.gravity.is_empty() {
+            Stray::default()
+        } else {
+            kicked.stray(|i| {
+                let Weight { time, step } = pace(i);
+                (kicked.gravity[i] + lacking(i, step), time)
+            })
+        };
         let stray = (heavies.iter().zip(&received))
             .fold(given, |sum, (heavy, &back)| sum + Stray::at(heavy.x, back));
         Given { received, stray }

@@ -77,9 +77,12 @@ impl Centre {
     /// What the pull at `x` lacks for leapfrog steps of `dt`; steps longer than 1 / Omega are taken as that.
     #[inline]
     pub fn lacking(&self, x: Vec3, dt: f64) -> Vec3 {
+        if self.gm == 0.0 {
+            return Vec3::zeros();
+        }
         let r = self.x - x;
         let cube = r.norm().powi(3);
-        if self.gm > 0.0 && cube > 0.0 {
+        if cube > 0.0 {
             let pull = self.gm / cube;
             let root = (1.0 - (pull * dt * dt).min(1.0)).sqrt();
             r * (pull * (1.0 - root) / (1.0 + root))
