@@ -1,11 +1,14 @@
 //! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
 //!
 //! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps] [precision: double | single]
-//!     [formulation: density | pressure] [viscosity: constant | balsara | cullen-dehnen | none] [alpha of conduction]
+//!     [formulation: density | pressure | number | smoothed] [viscosity: constant | balsara | cullen-dehnen |
+//!     neumann-richtmyer | tensor | planar | none] [alpha of conduction] [gradient: standard | matrix]
 
 use std::f64::consts::TAU;
 
-use gas::{Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity};
+use gas::{
+    Conduction, Eos, Formulation, Gas, Gradient, Hydro, KernelKind, Particles, Precision, Viscosity,
+};
 use nbody::points::clock::{Centre, Pacing};
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
@@ -26,14 +29,23 @@ fn main() {
     if words.get(4).is_some_and(|word| word == "single") {
         hydro.precision = Precision::Single;
     }
-    if words.get(5).is_some_and(|word| word == "pressure") {
-        hydro.formulation = Formulation::Pressure;
+    hydro.formulation = match words.get(5).map_or("density", String::as_str) {
+        "pressure" => Formulation::Pressure,
+        "number" => Formulation::Number,
+        "smoothed" => Formulation::Smoothed,
+        _ => Formulation::Density,
+    };
+    if words.get(8).is_some_and(|word| word == "matrix") {
+        hydro.gradient = Gradient::Matrix;
     }
     let (alpha, beta) = (0.7, 2.0);
     hydro.viscosity = match words.get(6).map_or("constant", String::as_str) {
         "none" => Viscosity::None,
         "balsara" => Viscosity::Balsara { alpha, beta },
         "cullen-dehnen" => Viscosity::CullenDehnen { alpha, beta },
+        "neumann-richtmyer" => Viscosity::NeumannRichtmyer { alpha, beta },
+        "tensor" => Viscosity::Tensor { alpha, beta },
+        "planar" => Viscosity::Planar { alpha, beta },
         _ => hydro.viscosity,
     };
     hydro.conduction = Conduction {

@@ -24,8 +24,8 @@ impl Conduction {
 
 /// What both particles of a pair make the same of, or change the sign of alone.
 pub struct Contrast<S: Simd, E: Real> {
-    /// c_s^2 of the one less that of the other.
-    pub cs2: Lanes<S, E>,
+    /// u of the one less that of the other, or their c_s^2.
+    pub u: Lanes<S, E>,
     /// Difference of the pressures.
     pub p: Lanes<S, E>,
     /// 1 / rho_ij
@@ -33,12 +33,12 @@ pub struct Contrast<S: Simd, E: Real> {
 }
 
 impl<S: Simd, E: Real> Contrast<S, E> {
-    /// alpha_u v_sig_u (u_i - u_j) / rho_ij, where `strength` is alpha_u times u by c_s^2.
+    /// alpha_u v_sig_u (u_i - u_j) / rho_ij, where `strength` is alpha_u, times u by c_s^2 where that stands for u.
     #[inline(always)]
     pub fn flux<R: Machine<S, E>>(&self, simd: S, strength: f64) -> Lanes<S, E> {
         let v2 = self.p.abs() * self.volume;
         let tiny = same::<S, E>(simd, E::TINY);
         let v_sig = v2 * R::inverse_root(simd, v2.max(tiny));
-        v_sig * (self.cs2 * (self.volume * same::<S, E>(simd, strength)))
+        v_sig * (self.u * (self.volume * same::<S, E>(simd, strength)))
     }
 }

@@ -30,7 +30,7 @@ mod sums;
 mod sweep;
 
 use law::Law;
-use out::{Out, State};
+use out::{Out, Seen, State};
 use pack::Pack;
 use sums::QUADS;
 use sweep::Sweep;
@@ -50,7 +50,7 @@ impl Gas {
         self.thermal_state(hydro, centre);
         let mut late = std::mem::take(&mut self.beyond);
         late.sort_unstable();
-        let found = self.density_by(hydro, clock, Some(&late));
+        let found = self.density_by(hydro, (clock, centre), Some(&late));
         late.clear();
         self.beyond = late;
         // Those listed were counted before.
@@ -66,36 +66,52 @@ impl Gas {
     ) -> Result<usize, Fault> {
         self.remember(hydro);
         self.thermal_state(hydro, centre);
-        self.density_by(hydro, clock, None)
+        let known = hydro.formulation != Formulation::Pressure || hydro.exponent == 1.0;
+        if !known && self.derived.rho.contains(&0.0) {
+            // What is summed follows from densities too.
+            self.density_by(hydro, (clock, centre), None)?;
+            self.thermal_state(hydro, centre);
+        }
+        self.density_by(hydro, (clock, centre), None)
     }
 
     /// The density of the active particles, or of those listed alone; leaves in `beyond` whose H is larger than the vicinity.
     fn density_by(
         &mut self,
         hydro: &Hydro,
-        clock: &Clock,
+        (clock, centre): (&Clock, Vec3),
         listed: Option<&[u32]>,
     ) -> Result<usize, Fault> {
-        match (hydro.precision, hydro.viscosity.wants_gradient()) {
-            (Precision::Single, false) => self.density_with::<f32, false>(hydro, clock, listed),
-            (Precision::Single, true) => self.density_with::<f32, true>(hydro, clock, listed),
-            (Precision::Double, false) => self.density_with::<f64, false>(hydro, clock, listed),
-            (Precision::Double, true) => self.density_with::<f64, true>(hydro, clock, listed),
+        let of = (clock, centre);
+        match (hydro.precision, hydro.wants_gradient()) {
+            (Precision::Single, false) => self.density_with::<f32, false>(hydro, of, listed),
+            (Precision::Single, true) => self.density_with::<f32, true>(hydro, of, listed),
+            (Precision::Double, false) => self.density_with::<f64, false>(hydro, of, listed),
+            (Precision::Double, true) => self.density_with::<f64, true>(hydro, of, listed),
         }
     }
 
     /// Makes room in the columns that a formulation and a switch remember.
     fn remember(&mut self, hydro: &Hydro) {
         let n = self.particles.m.len();
-        match hydro.formulation {
-            Formulation::Density => self.derived.p_ratio.clear(),
-            Formulation::Pressure => self.derived.p_ratio.resize(n, 1.0),
+        if hydro.formulation.sums_pressure() {
+            self.derived.p_ratio.resize(n, 1.0);
+        } else {
+            self.derived.p_ratio.clear();
         }
         if hydro.viscosity.switches() {
             self.derived.curl_v.resize(n, 0.0);
         }
-        if hydro.viscosity.wants_gradient() {
+        if hydro.viscosity.remembers() {
             self.particles.trace_v.resize(n, 0.0);
+        }
+        if hydro.stressed() {
+            self.derived.correction.resize(n, Vec3::zeros());
+            self.derived.correction_off.resize(n, Vec3::zeros());
+        }
+        if hydro.viscous_stress() {
+            self.derived.stress.resize(n, Vec3::zeros());
+            self.derived.stress_off.resize(n, Vec3::zeros());
         }
     }
 
@@ -128,7 +144,7 @@ impl Gas {
     fn density_with<E: Element, const GRADIENT: bool>(
         &mut self,
         hydro: &Hydro,
-        clock: &Clock,
+        (clock, centre): (&Clock, Vec3),
         listed: Option<&[u32]>,
     ) -> Result<usize, Fault> {
         if self.is_empty() {
@@ -151,6 +167,7 @@ impl Gas {
             units,
             particles,
             cs: &derived.cs,
+            rho: &derived.rho,
             v,
         };
         packed.fill::<QUADS>(&frame, near, |i, _, _| (0.0, pack.source::<E>(i)));
@@ -160,7 +177,13 @@ impl Gas {
             trace_v: &mut particles.trace_v,
         };
         let (u, begin) = (&self.rates.u_pred, &particles.begin);
-        let out = Out::new((hydro, clock, &units), state, derived, u, begin);
+        let seen = Seen {
+            x: &particles.x,
+            centre,
+            u,
+            begin,
+        };
+        let out = Out::new((hydro, clock, &units), state, derived, seen);
         let root = &self.tree.nodes[0];
         let extent = hydro.domain.in_plane(root.hi - root.lo).norm();
         let sweep = Sweep {

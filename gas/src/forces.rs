@@ -25,7 +25,7 @@ mod sweep;
 use out::Out;
 pub use pack::Pace;
 use pack::Pack;
-use pair::{Flux, QUADS};
+use pair::{Flux, MORE, QUADS};
 use sweep::Sweep;
 
 /// A tick that never comes.
@@ -75,11 +75,16 @@ impl Gas {
             particles,
             derived,
             v: &rates.v_pred,
+            u: &rates.u_pred,
             next_span: &rates.next_span,
             hydro,
             flux: &flux,
         };
-        packed.fill::<QUADS>(&frame, near, |i, d, coarser| pack.source(i, d, coarser));
+        if flux.plain {
+            packed.fill::<QUADS>(&frame, near, |i, d, coarser| pack.source(i, d, coarser));
+        } else {
+            packed.fill::<MORE>(&frame, near, |i, d, coarser| pack.more(i, d, coarser));
+        }
         pack.paces(&self.tree, near, &mut self.paces);
         let sweep = Sweep {
             clock,

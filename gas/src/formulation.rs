@@ -3,12 +3,15 @@
 //! y_i = sum_j x_j W(r_ij, H_i),   V_i = x_i / y_i,   f_ij = 1 - g_i / x_j,   g_i = (S_x - d sum x_j w) / S as in [`crate::density`]
 //! m_i dv_i/dt = -sum_j x_i x_j [ f_ij P_i/y_i^2 grad W(r, H_i) + f_ji P_j/y_j^2 grad W(r, H_j) ]
 //!
-//! density:   x = m,          y = rho, P from rho and u
-//! pressure:  x = m P/rho(u), y = P: a step of density at equal pressure is no step of y
+//! density:   x = m,                      y = rho, P from rho and u
+//! pressure:  x = m P(rho, u)^zeta / rho, y = P^zeta: a step of density at equal pressure is no step of y; zeta = 1 unless set, less for shocks
+//! number:    x = 1,                      y = n = rho / m, P from rho and u: neighbours of other mass are no denser for it
+//! smoothed:  x = m,                      y = rho, P = sum_j m_j (P/rho)_j W, as if u had been averaged
 //!
 //! The work that goes with y counts x as constant: energy is exact pair by pair, entropy to the order of the sums. Where
-//! x = 0 all around, there is no pressure and no push. P/rho follows from c_s^2 by a constant factor, so that x takes no room beside c_s.
-//! Sources: Saitoh & Makino (2013), ApJ 768, 44; Hopkins (2013), MNRAS 428, 2840, eqs. 11 to 21 (grad-h terms).
+//! x = 0 all around, there is no pressure and no push. Without grad-h terms all g are zero, as in the first publications.
+//! Sources: Saitoh & Makino (2013), ApJ 768, 44 (pressure, zeta in section 5); Hopkins (2013), MNRAS 428, 2840, eqs. 11 to 21 (grad-h
+//! terms); Ott & Schnetter (2003), physics/0303112 (number); Makino (2013, lecture slides; smoothed).
 
 use fearless_simd::{Select, Simd, SimdBase};
 
@@ -20,28 +23,55 @@ pub enum Formulation {
     #[default]
     Density,
     Pressure,
+    Number,
+    Smoothed,
 }
 
 /// P / rho below which gas pushes nobody, in units of a sweep: far below the rounding of its speeds squared.
 const LEAST: f64 = 1e-26;
 
 impl Formulation {
-    /// x of a particle of mass `m` and specific pressure `p_by_rho`.
+    pub const ALL: [Self; 4] = [Self::Density, Self::Pressure, Self::Number, Self::Smoothed];
+
+    /// x of a particle of mass `m`, specific pressure `p_by_rho` and density `rho`; zeta is `exponent`.
     #[inline(always)]
-    pub(crate) fn content(self, m: f64, p_by_rho: f64) -> f64 {
+    pub(crate) fn content(self, m: f64, p_by_rho: f64, rho: f64, exponent: f64) -> f64 {
         match self {
-            Self::Density => m,
-            Self::Pressure => m * p_by_rho,
+            Self::Density | Self::Smoothed => m,
+            Self::Pressure if exponent == 1.0 => m * p_by_rho,
+            Self::Pressure => m * (p_by_rho * rho).powf(exponent) / rho,
+            Self::Number => 1.0,
         }
     }
 
-    /// P / y^2 of a particle of specific pressure `p_by_rho` and density `rho`, in units of a sweep.
+    /// What is summed beside the mass: x, or what an average is taken of.
     #[inline(always)]
-    pub(crate) fn push(self, p_by_rho: f64, rho: f64) -> f64 {
+    pub(crate) fn summand(self, m: f64, p_by_rho: f64, rho: f64, exponent: f64) -> f64 {
         match self {
-            Self::Density => p_by_rho / rho,
-            Self::Pressure if p_by_rho > LEAST => 1.0 / (p_by_rho * rho),
-            Self::Pressure => 0.0,
+            Self::Smoothed => m * p_by_rho,
+            _ => self.content(m, p_by_rho, rho, exponent),
+        }
+    }
+
+    /// y of a particle.
+    #[inline(always)]
+    pub(crate) fn sum(self, m: f64, p_by_rho: f64, rho: f64, exponent: f64) -> f64 {
+        match self {
+            Self::Density | Self::Smoothed => rho,
+            Self::Pressure => (p_by_rho * rho).powf(exponent),
+            Self::Number => rho / m,
+        }
+    }
+
+    /// P / y^2 of a particle, in units of a sweep.
+    #[inline(always)]
+    pub(crate) fn push(self, m: f64, p_by_rho: f64, rho: f64, exponent: f64) -> f64 {
+        match self {
+            Self::Density | Self::Smoothed => p_by_rho / rho,
+            Self::Pressure if p_by_rho <= LEAST => 0.0,
+            Self::Pressure if exponent == 1.0 => 1.0 / (p_by_rho * rho),
+            Self::Pressure => (p_by_rho * rho).powf(1.0 - 2.0 * exponent),
+            Self::Number => p_by_rho * m * m / rho,
         }
     }
 }
@@ -50,7 +80,18 @@ impl Formulation {
     /// Whether y is the density.
     #[inline(always)]
     pub(crate) fn sums_mass(self) -> bool {
-        self == Self::Density
+        matches!(self, Self::Density | Self::Smoothed)
+    }
+
+    /// Whether something is summed beside the mass.
+    #[inline(always)]
+    pub(crate) fn sums_more(self) -> bool {
+        self != Self::Density
+    }
+
+    /// Whether the pressure is summed, and is not that of density and energy.
+    pub(crate) fn sums_pressure(self) -> bool {
+        matches!(self, Self::Pressure | Self::Smoothed)
     }
 
     /// x of particles of mass `m` and sound speed `cs`; P / rho is `factor` times its square.
@@ -63,8 +104,9 @@ impl Formulation {
         factor: f64,
     ) -> Lanes<S, E> {
         match self {
-            Self::Density => m,
+            Self::Density | Self::Smoothed => m,
             Self::Pressure => m * (cs * cs) * same::<S, E>(simd, factor),
+            Self::Number => same::<S, E>(simd, 1.0),
         }
     }
 
@@ -75,10 +117,11 @@ impl Formulation {
         simd: S,
         push: Lanes<S, E>,
         scale: Lanes<S, E>,
-        rho: Lanes<S, E>,
+        (m, rho): (Lanes<S, E>, Lanes<S, E>),
     ) -> Lanes<S, E> {
         match self {
-            Self::Density => (rho * rho) * (push * R::reciprocal(simd, scale)),
+            Self::Density | Self::Smoothed => (rho * rho) * (push * R::reciprocal(simd, scale)),
+            Self::Number => (rho * rho) * (push * R::reciprocal(simd, m * m * scale)),
             Self::Pressure => {
                 let zero = same::<S, E>(simd, 0.0);
                 let one = same::<S, E>(simd, 1.0);

@@ -3,16 +3,24 @@
 use nbody::points::{Boundary, Domain};
 
 use crate::kernel::unit_sphere;
-use crate::{Conduction, Eos, Formulation, KernelKind, Precision, Viscosity};
+use crate::{Conduction, Eos, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
 
 /// The limiter of gas whose steps heed no neighbour: to show what that costs.
 pub const UNLIMITED: u32 = u32::MAX;
+
+/// The least P / rho by the square of the largest speed that a stress reckons with: far below its rounding.
+const LEAST: f64 = 1e-14;
 
 /// What the gas of a scene is and how it is solved; constant over a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hydro {
     pub domain: Domain,
     pub formulation: Formulation,
+    /// zeta of the pressure formulation, which sums P^zeta.
+    pub exponent: f64,
+    /// Whether the sums follow the smoothing length.
+    pub grad_h: bool,
+    pub gradient: Gradient,
     pub kernel: KernelKind,
     pub precision: Precision,
     /// Wanted smooth neighbour number V_d H^d n.
@@ -23,6 +31,7 @@ pub struct Hydro {
     pub largest_h: f64,
     pub eos: Eos,
     pub viscosity: Viscosity,
+    pub physical: Physical,
     /// Without effect on gas that is bound to a temperature.
     pub conduction: Conduction,
     /// C in dt <= 2 C h / v_sig; v_sig is about twice the sound speed.
@@ -41,6 +50,9 @@ impl Hydro {
         Self {
             domain,
             formulation: Formulation::Density,
+            exponent: 1.0,
+            grad_h: true,
+            gradient: Gradient::Standard,
             kernel: KernelKind::WendlandC2,
             precision: Precision::Double,
             neighbours: if domain.dimensions() == 3 { 58.0 } else { 24.0 },
@@ -51,6 +63,7 @@ impl Hydro {
                 alpha: 0.7,
                 beta: 2.0,
             },
+            physical: Physical::None,
             conduction: Conduction::NONE,
             courant: 0.25,
             force_factor: 0.25,
@@ -71,6 +84,38 @@ impl Hydro {
             "heat is conducted from the hotter to the colder"
         );
         self.conduction.alpha > 0.0 && self.eos.is_free()
+    }
+
+    /// Whether particles bring a stress into pairs: a viscous one, or a pressure whose gradient is corrected.
+    pub(crate) fn stressed(&self) -> bool {
+        self.viscous_stress() || self.gradient == Gradient::Matrix
+    }
+
+    /// Whether they bring a viscous one.
+    pub(crate) fn viscous_stress(&self) -> bool {
+        self.viscosity.is_stress() || self.physical != Physical::None
+    }
+
+    /// P / rho in units of a sweep, which a stress needs to be more than nothing where x goes with it: it is weighed by x / y.
+    #[inline(always)]
+    pub(crate) fn floored(&self, p_by_rho: f64) -> f64 {
+        if self.formulation == Formulation::Pressure && self.stressed() {
+            p_by_rho.max(LEAST)
+        } else {
+            p_by_rho
+        }
+    }
+
+    /// Whether the linear-exact gradient of the velocity is wanted.
+    pub(crate) fn wants_gradient(&self) -> bool {
+        self.viscosity.remembers() || self.stressed()
+    }
+
+    /// Whether what a particle brings into pairs follows from its mass and sound speed.
+    pub(crate) fn plain(&self) -> bool {
+        let zeta = self.formulation == Formulation::Pressure && self.exponent != 1.0;
+        let smoothed = self.formulation == Formulation::Smoothed && self.conducts();
+        !(self.stressed() || zeta || smoothed)
     }
 
     /// Kernel support by smoothing length, H / h.

@@ -7,6 +7,7 @@ pub mod eos;
 mod field;
 pub mod forces;
 pub mod formulation;
+pub mod gradients;
 pub mod hydro;
 pub mod kernel;
 mod lanes;
@@ -26,6 +27,7 @@ mod workspace;
 pub use conduction::Conduction;
 pub use eos::Eos;
 pub use formulation::Formulation;
+pub use gradients::Gradient;
 pub use hydro::{Hydro, UNLIMITED};
 pub use kernel::{
     CubicSpline, Kernel, KernelKind, QuinticSpline, WendlandC2, WendlandC4, WendlandC6,
@@ -34,4 +36,5 @@ pub use particles::{Derived, Gas, Particles, Rates};
 pub use timestep::Heat;
 pub use totals::Totals;
 pub use viscosity::Viscosity;
+pub use viscosity::physical::Physical;
 pub use workspace::Precision;

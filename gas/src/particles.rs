@@ -69,6 +69,14 @@ columns! {
         v_sig: Real = Label::checkpoint("SignalSpeeds", Dimension::VELOCITY, "largest signal speed towards a neighbour"),
         /// pressure of the formulation by that of density and energy, where they are two
         p_ratio: Real = Label::checkpoint("PressureRatios", Dimension::NONE, "pressure of the formulation by that of density and energy").optional(),
+        /// diagonal of the correction of gradients, where particles bring a stress
+        correction: Vector = Label::checkpoint("GradientCorrections", Dimension::NONE, "diagonal of the correction of gradients").optional(),
+        /// its yz, zx and xy components
+        correction_off: Vector = Label::checkpoint("GradientCorrectionsOff", Dimension::NONE, "correction of gradients, components yz, zx, xy").optional(),
+        /// diagonal of the viscous stress, where particles bring one
+        stress: Vector = Label::checkpoint("ViscousStresses", Dimension::PRESSURE, "diagonal of the viscous stress").optional(),
+        /// its yz, zx and xy components
+        stress_off: Vector = Label::checkpoint("ViscousStressesOff", Dimension::PRESSURE, "viscous stress, components yz, zx, xy").optional(),
         /// shortest step among the neighbours, in ticks
         near_span: Short = Label::checkpoint("NeighbourSpans", Dimension::NONE, "shortest step among the neighbours in ticks"),
     }

@@ -4,10 +4,19 @@
 //!
 //! with alpha, c, rho and h the means of the pair; alpha_i is the column `alpha`, and beta follows it in a fixed ratio.
 //! Sources: Monaghan & Gingold (1983), Monaghan (1992); switches: Balsara (1995), and [`cullen_dehnen`].
+//!
+//! Others give each particle a [`stress`] of its own: [`neumann_richtmyer`], [`tensor`] and [`planar`].
 
 pub mod cullen_dehnen;
+pub mod neumann_richtmyer;
+pub mod physical;
+pub mod planar;
+pub mod stress;
+pub mod tensor;
 
-use cullen_dehnen::Compression;
+use cullen_dehnen::{Compression, relaxed};
+use nalgebra::Matrix3;
+use stress::{Place, Strain};
 
 /// How alpha of a particle follows from its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +33,21 @@ pub enum Viscosity {
     },
     /// Between zero and `alpha`, as [`cullen_dehnen`] says.
     CullenDehnen {
+        alpha: f64,
+        beta: f64,
+    },
+    /// A pressure where gas converges.
+    NeumannRichtmyer {
+        alpha: f64,
+        beta: f64,
+    },
+    /// A stress along each axis of compression.
+    Tensor {
+        alpha: f64,
+        beta: f64,
+    },
+    /// A stress along the axis of compression where there is but one; alpha between zero and `alpha`.
+    Planar {
         alpha: f64,
         beta: f64,
     },
@@ -49,7 +73,11 @@ impl Viscosity {
         match *self {
             Self::None => 0.0,
             Self::CullenDehnen { alpha, .. } => compression().alpha(present, alpha),
-            Self::Constant { alpha, .. } => alpha,
+            Self::Constant { alpha, .. }
+            | Self::NeumannRichtmyer { alpha, .. }
+            | Self::Tensor { alpha, .. } => alpha,
+            // The stress says.
+            Self::Planar { .. } => present,
             Self::Balsara { alpha, .. } => {
                 let div = flow.div_v.abs();
                 alpha * div / (div + flow.curl_v + 1e-4 * flow.cs / flow.h)
@@ -62,25 +90,62 @@ impl Viscosity {
         matches!(self, Self::Balsara { .. } | Self::CullenDehnen { .. })
     }
 
-    /// Whether it follows the linear-exact gradient of the velocity.
-    pub fn wants_gradient(&self) -> bool {
+    /// Whether it follows the change of the linear-exact divergence.
+    pub fn remembers(&self) -> bool {
         matches!(self, Self::CullenDehnen { .. })
+    }
+
+    /// Whether it is a stress of each particle, not a pressure of each pair.
+    pub fn is_stress(&self) -> bool {
+        matches!(
+            self,
+            Self::NeumannRichtmyer { .. } | Self::Tensor { .. } | Self::Planar { .. }
+        )
+    }
+
+    /// alpha and the stress of a particle that had `present` and whose alpha falls to `decay` of itself in the step that has passed.
+    pub fn stress(&self, place: &Place, present: f64, decay: f64) -> (f64, Matrix3<f64>) {
+        match *self {
+            Self::NeumannRichtmyer { alpha, beta } => {
+                (alpha, neumann_richtmyer::stress(place, alpha, beta))
+            }
+            Self::Tensor { alpha, beta } => {
+                let strain = Strain::of(&place.gradient);
+                (alpha, tensor::stress(place, &strain, alpha, beta))
+            }
+            Self::Planar { alpha, .. } => {
+                let strain = Strain::of(&place.gradient);
+                let local = alpha * planar::target(place, &strain);
+                let alpha = relaxed(present, local, decay);
+                (alpha, planar::stress(place, &strain, alpha, self.ratio()))
+            }
+            _ => (present, Matrix3::zeros()),
+        }
+    }
+
+    /// alpha and beta, if there is any.
+    pub fn parameters(&self) -> Option<[f64; 2]> {
+        match *self {
+            Self::None => None,
+            Self::Constant { alpha, beta }
+            | Self::Balsara { alpha, beta }
+            | Self::CullenDehnen { alpha, beta }
+            | Self::NeumannRichtmyer { alpha, beta }
+            | Self::Tensor { alpha, beta }
+            | Self::Planar { alpha, beta } => Some([alpha, beta]),
+        }
     }
 
     /// beta by alpha.
     pub fn ratio(&self) -> f64 {
-        match *self {
-            Self::None => 0.0,
-            Self::Constant { alpha, beta }
-            | Self::Balsara { alpha, beta }
-            | Self::CullenDehnen { alpha, beta } => {
-                assert!(
-                    alpha > 0.0 && beta >= 0.0,
-                    "viscosity has a positive alpha and a beta of at least zero"
-                );
-                beta / alpha
-            }
-        }
+        let Some([alpha, beta]) = self.parameters() else {
+            return 0.0;
+        };
+        assert!(
+            alpha > 0.0 && beta >= 0.0,
+            "viscosity has a positive alpha and a beta of at least zero"
+        );
+        beta / alpha
     }
 }
 

@@ -9,8 +9,9 @@ use coupling::{System, Unmetered};
 use nbody::points::{Columns, Dimension, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
+use crate::read::gas::{FORMULATIONS, name_of, viscosity_name};
 use crate::run::RunError;
-use crate::scene::{BodyDrag, Collisions, Formulation, Scene, Viscosity};
+use crate::scene::{BodyDrag, Collisions, Gradient, Physical, Scene};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -92,17 +93,22 @@ fn populations(system: &System) -> String {
 /// How the gas is solved.
 fn method(scene: &Scene) -> Option<String> {
     let gas = scene.gas.as_ref()?;
-    let formulation = match gas.hydro.formulation {
-        Formulation::Density => "density-energy",
-        Formulation::Pressure => "pressure-energy",
+    let formulation = name_of(&FORMULATIONS, gas.hydro.formulation);
+    let viscosity = match gas.viscosity.parameters() {
+        None => "no viscosity".to_owned(),
+        Some([alpha, _]) => format!(
+            "viscosity {} with alpha up to {alpha}",
+            viscosity_name(&gas.viscosity)
+        ),
     };
-    let viscosity = match gas.viscosity {
-        Viscosity::None => "no viscosity".to_owned(),
-        Viscosity::Constant { alpha, .. } => format!("constant viscosity alpha = {alpha}"),
-        Viscosity::Balsara { alpha, .. } => format!("Balsara's viscosity alpha = {alpha}"),
-        Viscosity::CullenDehnen { alpha, .. } => {
-            format!("Cullen & Dehnen's viscosity alpha <= {alpha}")
-        }
+    let gradient = match gas.hydro.gradient {
+        Gradient::Standard => "",
+        Gradient::Matrix => ", linear-exact gradients",
+    };
+    let physical = match gas.physical {
+        Physical::None => String::new(),
+        Physical::Constant { nu } => format!(", kinematic viscosity {nu}"),
+        Physical::ShakuraSunyaev { alpha, .. } => format!(", Shakura-Sunyaev alpha = {alpha}"),
     };
     let conduction = if gas.conduction > 0.0 {
         format!(", conduction alpha = {}", gas.conduction)
@@ -110,7 +116,7 @@ fn method(scene: &Scene) -> Option<String> {
         String::new()
     };
     Some(format!(
-        "gas: {formulation} SPH with {} neighbours, {viscosity}{conduction}",
+        "gas: SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}",
         gas.hydro.neighbours
     ))
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
-use gas::{Conduction, Eos, Formulation, Gas, Hydro, Particles, Precision, Viscosity};
+use gas::{Conduction, Eos, Gas, Hydro, Particles};
 use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
@@ -52,25 +52,17 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
             gamma: GAMMA_BOUND,
         },
     };
-    let viscosity = match gas.viscosity {
-        scene::Viscosity::None => Viscosity::None,
-        scene::Viscosity::Constant { alpha, beta } => Viscosity::Constant { alpha, beta },
-        scene::Viscosity::Balsara { alpha, beta } => Viscosity::Balsara { alpha, beta },
-        scene::Viscosity::CullenDehnen { alpha, beta } => Viscosity::CullenDehnen { alpha, beta },
-    };
     Hydro {
         kernel: gas.hydro.kernel,
         neighbours: gas.hydro.neighbours,
         tolerance: gas.hydro.tolerance,
-        precision: match gas.hydro.precision {
-            scene::Precision::Single => Precision::Single,
-            scene::Precision::Double => Precision::Double,
-        },
-        formulation: match gas.hydro.formulation {
-            scene::Formulation::Density => Formulation::Density,
-            scene::Formulation::Pressure => Formulation::Pressure,
-        },
-        viscosity,
+        precision: gas.hydro.precision,
+        formulation: gas.hydro.formulation,
+        exponent: gas.hydro.exponent,
+        grad_h: gas.hydro.grad_h,
+        gradient: gas.hydro.gradient,
+        viscosity: gas.viscosity,
+        physical: gas.physical,
         conduction: Conduction {
             alpha: gas.conduction,
         },

@@ -5,7 +5,7 @@
 
 use std::path::PathBuf;
 
-use gas::KernelKind;
+pub use gas::{Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
 
@@ -89,6 +89,7 @@ pub struct Gas {
     pub cooling: Cooling,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
+    pub physical: Physical,
     /// alpha of the conduction; none if zero.
     pub conduction: f64,
 }
@@ -178,33 +179,16 @@ pub enum Cooling {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hydro {
     pub formulation: Formulation,
+    /// zeta of the pressure formulation.
+    pub exponent: f64,
+    pub grad_h: bool,
+    pub gradient: Gradient,
     pub kernel: KernelKind,
     pub neighbours: f64,
     pub courant: f64,
     /// Relative error of the neighbour number at which the smoothing length is found.
     pub tolerance: f64,
     pub precision: Precision,
-}
-
-/// Precision of the sums over gas neighbours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    Single,
-    Double,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Formulation {
-    Density,
-    Pressure,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Viscosity {
-    None,
-    Constant { alpha: f64, beta: f64 },
-    Balsara { alpha: f64, beta: f64 },
-    CullenDehnen { alpha: f64, beta: f64 },
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -15,7 +15,8 @@ use crate::atomic::publish;
 use crate::hdf::{
     FileError, Result, length, write_column, write_number, write_numbers, write_text,
 };
-use crate::scene::{Eos, Formulation, Scene};
+use crate::read::gas::{FORMULATIONS, name_of, viscosity_name};
+use crate::scene::{Eos, Scene};
 use crate::units::Units;
 
 /// Types of particles that SWIFT's header counts.
@@ -170,11 +171,9 @@ fn hydro_scheme(group: &Folder, scene: &Scene) -> Result<()> {
     let Some(gas) = &scene.gas else {
         return write_text(group, "Scheme", "none");
     };
-    let scheme = match gas.hydro.formulation {
-        Formulation::Density => "density-energy SPH",
-        Formulation::Pressure => "pressure-energy SPH",
-    };
-    write_text(group, "Scheme", scheme)?;
+    let formulation = name_of(&FORMULATIONS, gas.hydro.formulation);
+    write_text(group, "Scheme", &format!("{formulation} SPH"))?;
+    write_text(group, "Viscosity Model", viscosity_name(&gas.viscosity))?;
     write_number(group, "Thermal conduction alpha", gas.conduction)?;
     write_number(group, "Dimension", scene.domain.dimensions() as i32)?;
     let kernel = match gas.hydro.kernel {

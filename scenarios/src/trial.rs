@@ -55,6 +55,18 @@ impl Trial {
 
     /// Runs from the start through `stops`, ascending times of which the first is the start, and calls `visit` at each. To be called once.
     pub fn run(&mut self, stops: &[f64], mut visit: impl FnMut(&Stop)) -> Result<(), Fault> {
+        self.run_while(stops, |stop| {
+            visit(stop);
+            true
+        })
+    }
+
+    /// The same until `visit` answers no.
+    pub fn run_while(
+        &mut self,
+        stops: &[f64],
+        mut visit: impl FnMut(&Stop) -> bool,
+    ) -> Result<(), Fault> {
         let mut met = 0;
         loop {
             let system = &mut self.system;
@@ -77,11 +89,14 @@ impl Trial {
                     .ledger
                     .report(now, census, system.potential, &system.domain);
                 self.watch.stop();
-                visit(&Stop {
+                let going = visit(&Stop {
                     system,
                     books: &row,
                     watch: &self.watch,
                 });
+                if !going {
+                    return Ok(());
+                }
             }
             if met == stops.len() {
                 return Ok(());

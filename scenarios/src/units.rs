@@ -140,6 +140,7 @@ impl Kind {
     pub const PRESSURE: Self = Self::of(Dimension::PRESSURE);
     pub const PLANAR_PRESSURE: Self = Self::of(Dimension::new(0, 1, -2, 0));
     pub const SPECIFIC_ENERGY: Self = Self::of(Dimension::SPECIFIC_ENERGY);
+    pub const KINEMATIC: Self = Self::of(Dimension::new(2, 0, -1, 0));
     pub const PER_LENGTH: Self = Self::of(Dimension::new(-1, 0, 0, 0));
     pub const ANGLE: Self = Self {
         dimension: Dimension::NONE,
@@ -165,6 +166,7 @@ impl Kind {
             Kind::ANGLE => "\"30 deg\"",
             Kind::PRESSURE => "\"1 g/cm/s^2\"",
             Kind::SPECIFIC_ENERGY => "\"1 km^2/s^2\"",
+            Kind::KINEMATIC => "\"1e15 cm^2/s\"",
             Kind::PER_LENGTH => "\"1e-9 1/au\"",
             _ => "0.5",
         }
@@ -185,6 +187,7 @@ impl fmt::Display for Kind {
             Kind::PRESSURE => "a pressure",
             Kind::PLANAR_PRESSURE => "a pressure in two dimensions",
             Kind::SPECIFIC_ENERGY => "an energy by mass",
+            Kind::KINEMATIC => "a kinematic viscosity",
             Kind::PER_LENGTH => "an inverse length",
             Kind::ANGLE => "an angle",
             _ if d == Dimension::TEMPERATURE => "a temperature",

@@ -8,7 +8,7 @@ use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
     Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, Eos, Gas, GasDisk,
-    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes, Viscosity,
+    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes,
 };
 use crate::units::System;
 
@@ -138,9 +138,7 @@ fn gas_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
         .map(|entry| block_number(scene, &entry.block))
         .sum();
     too_many(total + gas.particles as f64, "gas.block", complaints);
-    if let Viscosity::Constant { alpha, beta }
-    | Viscosity::Balsara { alpha, beta }
-    | Viscosity::CullenDehnen { alpha, beta } = gas.viscosity
+    if let Some([alpha, beta]) = gas.viscosity.parameters()
         && alpha == 0.0
     {
         complaints.say(

@@ -3,6 +3,7 @@
 mod field_steps;
 pub mod gas;
 mod orbits;
+pub mod ring;
 mod secular;
 mod steps;
 mod stirring;

@@ -4,7 +4,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat};
 
 use crate::kernel::unit_sphere;
 use crate::lanes::{Lanes, Machine, Real, load, same};
-use crate::{Hydro, KernelKind};
+use crate::{Formulation, Gradient, Hydro, KernelKind};
 
 /// The solver for H gives up after this many evaluations.
 const TRIES: usize = 100;
@@ -38,8 +38,11 @@ fn exponential(x: f64) -> f64 {
 /// The condition on H.
 pub struct Law {
     pub kernel: KernelKind,
-    /// Whether the sum of the formulation is the density.
-    pub sums_mass: bool,
+    pub formulation: Formulation,
+    /// Whether the sums follow H.
+    pub grad_h: bool,
+    /// Whether the inverse of the gradient's sums serves for forces.
+    pub stressed: bool,
     pub d: f64,
     pub wanted: f64,
     tolerance: f64,
@@ -69,7 +72,9 @@ impl Law {
         );
         Self {
             kernel,
-            sums_mass: hydro.formulation.sums_mass(),
+            formulation: hydro.formulation,
+            grad_h: hydro.grad_h && hydro.gradient == Gradient::Standard,
+            stressed: hydro.stressed(),
             d: d as f64,
             wanted: hydro.neighbours,
             tolerance: hydro.tolerance,
@@ -77,6 +82,12 @@ impl Law {
             weight,
             excess: kernel.self_excess(hydro.neighbours, d) * kernel.value(0.0),
         }
+    }
+
+    /// Whether the velocity gradient weighs neighbours by their contents.
+    #[inline(always)]
+    pub fn weighs_contents(&self) -> bool {
+        self.stressed && !self.formulation.sums_mass()
     }
 
     /// Sums over the distances `r` of w(q) and of -q dw/dq, at H = `reach`.

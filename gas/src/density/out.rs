@@ -1,13 +1,16 @@
 //! What a density sweep writes, in code units: h, densities, pressure, viscosity, and how the gas flows.
 
-use nbody::points::Clock;
+use nalgebra::Matrix3;
 use nbody::points::sum::Parts;
+use nbody::points::{Clock, Vec3};
 
 use super::sums::Local;
 use crate::units::Units;
 use crate::viscosity::Flow;
-use crate::viscosity::cullen_dehnen::Compression;
-use crate::{Derived, Hydro};
+use crate::viscosity::cullen_dehnen::{Compression, decay};
+use crate::viscosity::physical;
+use crate::viscosity::stress::Place;
+use crate::{Derived, Formulation, Hydro, gradients};
 
 /// The columns that the sweep writes.
 struct Columns<'a> {
@@ -25,6 +28,18 @@ struct Columns<'a> {
     curl_v: Parts<'a, f64>,
     v_sig: Parts<'a, f64>,
     near_span: Parts<'a, u32>,
+    /// Diagonals and what is beside them; empty where particles bring no stress.
+    correction: [Parts<'a, Vec3>; 2],
+    stress: [Parts<'a, Vec3>; 2],
+}
+
+/// What a particle's thermal state and its stress follow from beside the sums.
+pub struct Seen<'a> {
+    pub x: &'a [Vec3],
+    /// The star.
+    pub centre: Vec3,
+    pub u: &'a [f64],
+    pub begin: &'a [u32],
 }
 
 /// The state that the sweep solves for or remembers.
@@ -39,8 +54,7 @@ pub struct Out<'a> {
     hydro: &'a Hydro,
     columns: Columns<'a>,
     cs: &'a [f64],
-    u: &'a [f64],
-    begin: &'a [u32],
+    seen: Seen<'a>,
     tick: u32,
     /// Length of a tick.
     unit: f64,
@@ -56,8 +70,7 @@ impl<'a> Out<'a> {
         (hydro, clock, units): (&'a Hydro, &Clock, &Units),
         state: State<'a>,
         derived: &'a mut Derived,
-        u: &'a [f64],
-        begin: &'a [u32],
+        seen: Seen<'a>,
     ) -> Self {
         Self {
             hydro,
@@ -73,10 +86,17 @@ impl<'a> Out<'a> {
                 curl_v: Parts::new(&mut derived.curl_v),
                 v_sig: Parts::new(&mut derived.v_sig),
                 near_span: Parts::new(&mut derived.near_span),
+                correction: [
+                    Parts::new(&mut derived.correction),
+                    Parts::new(&mut derived.correction_off),
+                ],
+                stress: [
+                    Parts::new(&mut derived.stress),
+                    Parts::new(&mut derived.stress_off),
+                ],
             },
             cs: &derived.cs,
-            u,
-            begin,
+            seen,
             tick: clock.tick,
             unit: clock.unit(),
             length: units.length,
@@ -103,27 +123,32 @@ impl<'a> Out<'a> {
             cs: self.cs[i],
             h: reach * self.h_by_reach,
         };
-        let alpha = self.alpha(i, local, flow, reach);
-        let p = self.hydro.eos.pressure(rho, self.u[i]);
+        let mut v_sig = local.v_sig * self.velocity;
+        let alpha = if self.hydro.stressed() {
+            self.stress(i, local, (flow, rho, reach), &mut v_sig)
+        } else {
+            self.alpha(i, local, flow, reach)
+        };
+        let p = self.hydro.eos.pressure(rho, self.seen.u[i]);
         let (own, out) = (i..i + 1, &self.columns);
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
             out.h.part(own.clone())[0] = flow.h;
             out.alpha.part(own.clone())[0] = alpha;
             out.rho.part(own.clone())[0] = rho;
-            if self.hydro.formulation.sums_mass() {
-                out.p.part(own.clone())[0] = p;
-            } else {
-                let sum = local.y * (self.density * self.velocity * self.velocity);
+            if self.hydro.formulation.sums_pressure() {
+                let sum = self.summed_pressure(local);
                 out.p.part(own.clone())[0] = sum;
                 out.p_ratio.part(own.clone())[0] = if p > 0.0 { sum / p } else { 1.0 };
+            } else {
+                out.p.part(own.clone())[0] = p;
             }
             out.grad_h.part(own.clone())[0] = local.grad_h;
             out.div_v.part(own.clone())[0] = flow.div_v;
             if self.hydro.viscosity.switches() {
                 out.curl_v.part(own.clone())[0] = flow.curl_v;
             }
-            out.v_sig.part(own.clone())[0] = local.v_sig * self.velocity;
+            out.v_sig.part(own.clone())[0] = v_sig;
             // Infinite without neighbours: the cast saturates.
             out.near_span.part(own)[0] = local.near_span as u32;
         }
@@ -143,7 +168,7 @@ impl<'a> Out<'a> {
             Compression {
                 div_v,
                 before: std::mem::replace(trace, div_v),
-                dt: f64::from(self.tick - self.begin[i]) * self.unit,
+                dt: f64::from(self.tick - self.seen.begin[i]) * self.unit,
                 shear2: local.flow.shear2 * rate * rate,
                 order: local.flow.order,
                 // Without the part of both sound speeds that a time step needs.
@@ -151,5 +176,75 @@ impl<'a> Out<'a> {
                 reach: reach * self.length,
             }
         })
+    }
+
+    /// P, where it is summed.
+    #[inline(always)]
+    fn summed_pressure(&self, local: &Local) -> f64 {
+        let zeta = self.hydro.exponent;
+        let p = if self.hydro.formulation == Formulation::Pressure && zeta != 1.0 {
+            local.y.powf(1.0 / zeta)
+        } else {
+            local.y
+        };
+        p * (self.density * self.velocity * self.velocity)
+    }
+
+    /// Writes the correction of gradients and the viscous stress of particle i; returns its alpha, and adds to `v_sig` what shortens its steps.
+    fn stress(
+        &self,
+        i: usize,
+        local: &Local,
+        (flow, rho, reach): (Flow, f64, f64),
+        v_sig: &mut f64,
+    ) -> f64 {
+        let (hydro, d) = (self.hydro, self.hydro.dimensions() as i32);
+        let (mut correction, mut gradient) = (Matrix3::identity(), Matrix3::zeros());
+        if let Some([v, inverse]) = local.flow.linear {
+            let y = if hydro.formulation.sums_mass() {
+                local.rho
+            } else {
+                local.y
+            };
+            let scale = -y * reach.powi(d + 2) / hydro.kernel.norm(hydro.dimensions());
+            correction = gradients::correction(&inverse, scale);
+            gradient = v * (self.velocity / self.length);
+        }
+        for a in (0..3).filter(|&a| !hydro.domain.axes[a]) {
+            gradient.row_mut(a).fill(0.0);
+            gradient.column_mut(a).fill(0.0);
+        }
+        self.write_matrix(&self.columns.correction, i, &correction);
+        let mut alpha = self.alpha(i, local, flow, reach);
+        if !hydro.viscous_stress() {
+            return alpha;
+        }
+        let place = Place {
+            gradient,
+            rho,
+            cs: flow.cs,
+            h: flow.h,
+        };
+        let dt = f64::from(self.tick - self.seen.begin[i]) * self.unit;
+        let crossings = 0.5 * *v_sig * dt / (reach * self.length);
+        let mut stress = Matrix3::zeros();
+        if hydro.viscosity.is_stress() {
+            (alpha, stress) = hydro.viscosity.stress(&place, alpha, decay(crossings));
+        }
+        let nu = (hydro.physical).nu(flow.cs, self.seen.x[i] - self.seen.centre);
+        if nu > 0.0 {
+            stress += physical::stress(&place, nu, hydro.domain.axes);
+            *v_sig += 4.0 * nu / flow.h;
+        }
+        self.write_matrix(&self.columns.stress, i, &stress);
+        alpha
+    }
+
+    fn write_matrix(&self, [diagonal, off]: &[Parts<'a, Vec3>; 2], i: usize, m: &Matrix3<f64>) {
+        // SAFETY: a branch's task alone touches the branch's particles.
+        unsafe {
+            diagonal.part(i..i + 1)[0] = m.diagonal();
+            off.part(i..i + 1)[0] = Vec3::new(m.m23, m.m31, m.m12);
+        }
     }
 }

@@ -13,6 +13,7 @@ pub struct Pack<'a> {
     pub units: Units,
     pub particles: &'a Particles,
     pub cs: &'a [f64],
+    pub rho: &'a [f64],
     pub v: &'a [Vec3],
 }
 
@@ -32,7 +33,15 @@ impl Pack<'_> {
         };
         let (m, cs) = (p.m[i] / units.mass, self.cs[i] / units.velocity);
         let p_by_rho = self.hydro.eos.pressure_by_square() * cs * cs;
-        let content = self.hydro.formulation.content(m, p_by_rho);
+        let formulation = self.hydro.formulation;
+        // Not known yet before the first sums, which are made twice then.
+        let rho = if self.rho[i] > 0.0 {
+            self.rho[i] * (units.length.powi(self.hydro.dimensions() as i32) / units.mass)
+        } else {
+            1.0
+        };
+        let p_by_rho = self.hydro.floored(p_by_rho);
+        let content = formulation.summand(m, p_by_rho, rho, self.hydro.exponent);
         [
             Quad([E::from_f64(m), v.x, v.y, v.z]),
             Quad([cs, span, sign, content].map(E::from_f64)),

@@ -1,7 +1,7 @@
 //! The velocity gradient of one particle, exact for linear flows, and how orderly the flow around it converges.
 //!
 //! V = (sum m_j s_j v_ij d^T) (sum m_j s_j d d^T)^-1, s = dw/dq / q;   R = sum m_j sign(div v_j) W / sum m_j W
-//! with V = grad v; its antisymmetric part is the curl.
+//! with V = grad v; its antisymmetric part is the curl. Where the inverse serves for forces too, x_j stands for m_j in it.
 //! Source: Cullen & Dehnen (2010), appendix B and eq. 17.
 
 use fearless_simd::{Simd, SimdFloat};
@@ -29,6 +29,8 @@ pub struct Flow {
     pub order: f64,
     /// sum m_j s_j v_ij . d
     pub m_div: f64,
+    /// V and (sum m_j s_j d d^T)^-1, zero along missing axes; none where the neighbours span no volume.
+    pub linear: Option<[Matrix3<f64>; 2]>,
 }
 
 /// The sums over neighbours.
@@ -49,16 +51,16 @@ impl<S: Simd, E: Real> Shear<S, E> {
         }
     }
 
-    /// Adds some neighbours: separations, relative velocities, m s, m W, and the signs of div v.
+    /// Adds some neighbours: separations, relative velocities, s times their weight, m W, and the signs of div v.
     #[inline(always)]
     pub fn add(
         &mut self,
         d: [Lanes<S, E>; 3],
         dv: [Lanes<S, E>; 3],
-        [m_slope, m_value, sign]: [Lanes<S, E>; 3],
+        [slope, m_value, sign]: [Lanes<S, E>; 3],
     ) {
         self.signs = m_value.mul_add(sign, self.signs);
-        let weighted = d.map(|d| m_slope * d);
+        let weighted = d.map(|d| slope * d);
         for (sum, (a, b)) in self.dd.iter_mut().zip(PAIRS) {
             *sum = weighted[a].mul_add(d[b], *sum);
         }
@@ -84,22 +86,24 @@ impl<S: Simd, E: Real> Shear<S, E> {
             m_div: vd.trace(),
             ..Flow::default()
         };
-        let Some(v) = gradient(dd, vd, axes) else {
+        let Some(inverse) = inverse(dd, axes) else {
             return flow;
         };
+        let v = vd * inverse;
         let (trace, shear2) = strain(&v, axes);
         Flow {
             trace: Some(trace),
             shear2,
             curl: Vec3::new(v.m32 - v.m23, v.m13 - v.m31, v.m21 - v.m12).norm(),
+            linear: Some([v, inverse]),
             ..flow
         }
     }
 }
 
-/// vd dd^-1 along `axes`, if dd has an inverse.
+/// The inverse of dd along `axes`, if it has one.
 #[inline(always)]
-fn gradient(mut dd: Matrix3<f64>, vd: Matrix3<f64>, axes: [bool; 3]) -> Option<Matrix3<f64>> {
+fn inverse(mut dd: Matrix3<f64>, axes: [bool; 3]) -> Option<Matrix3<f64>> {
     let size = dd.trace();
     // Along axes that are missing nothing varies.
     for a in (0..3).filter(|&a| !axes[a]) {
@@ -111,7 +115,7 @@ fn gradient(mut dd: Matrix3<f64>, vd: Matrix3<f64>, axes: [bool; 3]) -> Option<M
     let determinant = x.dot(&rows[0]);
     let spanned = determinant.abs() > FLAT * (size * size * size).abs();
     let adjoint = Matrix3::from_rows(&rows.map(|row| row.transpose()));
-    spanned.then(|| vd * adjoint * (1.0 / determinant))
+    spanned.then(|| adjoint * (1.0 / determinant))
 }
 
 /// Trace, and square of the traceless symmetric part, along `axes`.
@@ -147,7 +151,7 @@ mod tests {
             dd += weight * d * d.transpose();
             vd += weight * flow * d * d.transpose();
         }
-        let v = gradient(dd, vd, [true; 3]).expect("a volume");
+        let v = vd * inverse(dd, [true; 3]).expect("a volume");
         let (div_v, shear2) = strain(&v, [true; 3]);
         let mean = flow.trace() / 3.0;
         let expected = 0.5 * (flow + flow.transpose()) - Matrix3::identity() * mean;
@@ -155,7 +159,7 @@ mod tests {
         assert!((shear2 / expected.norm_squared() - 1.0).abs() < 1e-12);
         let line = Vec3::new(1.0, 2.0, 3.0);
         let flat = line * line.transpose();
-        assert!(gradient(flat, flat, [true; 3]).is_none());
+        assert!(inverse(flat, [true; 3]).is_none());
     }
 
     #[test]
@@ -164,11 +168,11 @@ mod tests {
         let dd = -Matrix3::from_diagonal(&Vec3::new(2.0, 3.0, 0.0));
         let flow = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 5.0, 5.0, 0.0);
         let plane = [true, true, false];
-        let v = gradient(dd, flow * dd, plane).expect("a plane");
+        let v = flow * dd * inverse(dd, plane).expect("a plane");
         let (div_v, shear2) = strain(&v, plane);
         assert!(div_v.abs() < 1e-15 && shear2 < 1e-15, "{div_v} {shear2}");
         let kepler = Matrix3::new(0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        let v = gradient(dd, kepler * dd, plane).expect("a plane");
+        let v = kepler * dd * inverse(dd, plane).expect("a plane");
         let (_, shear2) = strain(&v, plane);
         assert!((shear2 - 2.0 * 0.75 * 0.75).abs() < 1e-14);
     }

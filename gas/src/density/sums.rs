@@ -4,6 +4,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat};
 
 use super::law::Law;
 use super::shear::{Flow, Shear};
+use crate::Formulation;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
 
 /// Quads of a row: mass and velocity; sound speed, step, sign of the divergence, content.
@@ -12,7 +13,7 @@ pub const QUADS: usize = 2;
 /// What the sums say of a particle.
 pub struct Local {
     pub rho: f64,
-    /// y; the density again where that is y.
+    /// What is summed beside the mass: y, or a smoothed pressure; the density again where nothing is.
     pub y: f64,
     /// g by the particle's own content.
     pub grad_h: f64,
@@ -98,14 +99,19 @@ impl<S: Simd, E: Real> Sums<S, E> {
         self.mass += m_value;
         self.slope = fall.mul_add(-slope, self.slope);
         self.mass_slope = fall.mul_add(-m_slope, self.mass_slope);
-        if !law.sums_mass {
+        if law.formulation.sums_more() {
             self.content = content.mul_add(value, self.content);
             self.content_slope = (fall * content).mul_add(-slope, self.content_slope);
         }
         let approach = dv[2].mul_add(d[2], dv[1].mul_add(d[1], dv[0] * d[0]));
         self.div = slope.mul_add(approach, self.div);
         if GRADIENT {
-            self.shear.add(d, dv, [m_slope, m_value, sign]);
+            let weighted = if law.weighs_contents() {
+                content * slope
+            } else {
+                m_slope
+            };
+            self.shear.add(d, dv, [weighted, m_value, sign]);
         } else {
             self.mass_div = m_slope.mul_add(approach, self.mass_div);
             for a in 0..3 {
@@ -138,7 +144,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
             R::totals([self.mass, self.slope, self.mass_slope, self.div]);
         let own_content = own.row[1].0[3].to_f64();
         let grad = |sum: f64, fall: f64| {
-            if free {
+            if free && law.grad_h {
                 (fall - law.d * sum) / slope
             } else {
                 0.0
@@ -146,24 +152,40 @@ impl<S: Simd, E: Real> Sums<S, E> {
         };
         let volume = own.reach * own.reach * if law.d > 2.5 { own.reach } else { 1.0 };
         let counted = mass - law.excess * own.m;
-        let rho = law.norm / volume * counted;
+        let per_volume = law.norm / volume;
+        let rho = per_volume * counted;
         let g = grad(counted, mass_slope);
-        let (y, grad_h) = if law.sums_mass {
-            (rho, g / own.m)
+        let summed = if law.formulation.sums_more() {
+            let content = R::total(self.content) - law.excess * own_content;
+            Some((content, R::total(self.content_slope)))
         } else {
-            let (content, fall) = (R::total(self.content), R::total(self.content_slope));
-            let content = content - law.excess * own_content;
-            let by_own = if own_content > 0.0 {
-                1.0 / own_content
-            } else {
-                0.0
-            };
-            (law.norm / volume * content, grad(content, fall) * by_own)
+            None
+        };
+        let y = summed.map_or(rho, |(content, _)| per_volume * content);
+        let grad_h = match summed {
+            Some((content, fall)) if !law.formulation.sums_mass() => {
+                let by_own = if own_content > 0.0 {
+                    1.0 / own_content
+                } else {
+                    0.0
+                };
+                grad(content, fall) * by_own
+            }
+            _ => g / own.m,
         };
         let scale = law.norm / (volume * own.reach * own.reach * rho);
+        let rho = match law.formulation {
+            Formulation::Number => own.m * y,
+            _ => rho,
+        };
         let (div_v, curl_v, flow) = if GRADIENT {
             let flow = self.shear.flow::<R>(axes, mass);
-            (-scale * (flow.m_div - g * div), flow.curl, flow)
+            let div_v = if law.weighs_contents() {
+                flow.trace.unwrap_or(0.0)
+            } else {
+                -scale * (flow.m_div - g * div)
+            };
+            (div_v, flow.curl, flow)
         } else {
             let (mass_div, curl) = self.turning::<R>(g);
             (-scale * (mass_div - g * div), scale * curl, Flow::default())

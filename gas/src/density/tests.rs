@@ -47,7 +47,12 @@ fn check_against_direct_sums<K: Kernel>(hydro: &Hydro) {
             }
         };
         let rho = sum(reach, &counted);
-        assert!((derived.rho[i] / rho - 1.0).abs() < 1e-13);
+        let by_number = sum(reach, &|j, w| counted(j, w) / p.m[j]) * p.m[i];
+        let expected = match hydro.formulation {
+            Formulation::Number => by_number,
+            _ => rho,
+        };
+        assert!((derived.rho[i] / expected - 1.0).abs() < 1e-13);
         // g from differences in H: (h/(d n) drho/dh) / (1 + h/(d n) dn/dh).
         let e = 1e-6;
         let slope = |f: &dyn Fn(usize, f64) -> f64| {
@@ -55,17 +60,24 @@ fn check_against_direct_sums<K: Kernel>(hydro: &Hydro) {
         };
         let n = sum(reach, &|_, w| w) * d as f64;
         let g = slope(&counted) / n / (1.0 + slope(&|_, w| w) / n);
-        // y of the formulation, and g by the particle's own content likewise.
-        let content = |j: usize| match hydro.formulation {
-            Formulation::Density => p.m[j],
-            Formulation::Pressure => p.m[j] * hydro.eos.pressure(1.0, gas.rates.u_pred[j]),
-        };
-        let brought = |j: usize, w: f64| counted(j, w) / p.m[j] * content(j);
-        let y = match hydro.formulation {
+        // What is summed, and g of y by the particle's own content likewise.
+        let specific = |j: usize| hydro.eos.pressure(1.0, gas.rates.u_pred[j]);
+        let (summand, content): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64) =
+            match hydro.formulation {
+                Formulation::Density => (&|j| p.m[j], &|j| p.m[j]),
+                Formulation::Pressure => (&|j| p.m[j] * specific(j), &|j| p.m[j] * specific(j)),
+                Formulation::Number => (&|_| 1.0, &|_| 1.0),
+                Formulation::Smoothed => (&|j| p.m[j] * specific(j), &|j| p.m[j]),
+            };
+        let summed = match hydro.formulation {
             Formulation::Density => derived.rho[i],
-            Formulation::Pressure => derived.p[i],
+            Formulation::Pressure | Formulation::Smoothed => derived.p[i],
+            Formulation::Number => derived.rho[i] / p.m[i],
         };
-        assert!((y / sum(reach, &brought) - 1.0).abs() < 1e-13);
+        let all = sum(reach, &|j, w| counted(j, w) / p.m[j] * summand(j));
+        assert!((summed / all - 1.0).abs() < 1e-13);
+        let brought = |j: usize, w: f64| counted(j, w) / p.m[j] * content(j);
+        let y = sum(reach, &brought);
         let g_y = slope(&brought) / n / (1.0 + slope(&|_, w| w) / n);
         assert!((derived.grad_h[i] * content(i) - g_y).abs() < 1e-8 * y / rho * p.m[i]);
         let gradient = |j: usize, r: Vec3| {
@@ -98,10 +110,12 @@ fn sums_equal_those_over_all_pairs() {
             beta: 2.0,
         };
         check_against_direct_sums::<WendlandC2>(&hydro);
-        check_against_direct_sums::<WendlandC2>(&Hydro {
-            formulation: Formulation::Pressure,
-            ..hydro
-        });
+        for formulation in Formulation::ALL {
+            check_against_direct_sums::<WendlandC2>(&Hydro {
+                formulation,
+                ..hydro
+            });
+        }
         hydro.kernel = KernelKind::CubicSpline;
         hydro.neighbours *= 0.8;
         check_against_direct_sums::<CubicSpline>(&hydro);

@@ -1,14 +1,15 @@
 //! What particles bring into pairs, packed from their columns, and where they stand on the clock.
 
+use nalgebra::Matrix3;
 use nbody::points::sum::Parts;
 use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
 use super::NEVER;
-use super::pair::{Flux, QUADS};
+use super::pair::{Flux, MORE, QUADS};
 use crate::lanes::{Quad, Real};
 use crate::units::Units;
-use crate::{Derived, Hydro, Particles};
+use crate::{Derived, Gradient, Hydro, Particles};
 
 /// Where particles stand on the clock: ticks since the present step began, its planned span, and the next one's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +41,7 @@ pub struct Pack<'a> {
     pub particles: &'a Particles,
     pub derived: &'a Derived,
     pub v: &'a [Vec3],
+    pub u: &'a [f64],
     pub next_span: &'a [u32],
     pub hydro: &'a Hydro,
     pub flux: &'a Flux,
@@ -68,6 +70,26 @@ impl Pack<'_> {
         });
     }
 
+    /// Density and specific pressure of particle i in units of the sweep.
+    #[inline(always)]
+    fn state(&self, i: usize) -> (f64, f64) {
+        let (derived, units) = (self.derived, &self.units);
+        let power = self.hydro.dimensions() as i32;
+        let rho = derived.rho[i] * (units.length.powi(power) / units.mass);
+        let specific = derived.p[i] / (derived.rho[i] * units.velocity * units.velocity);
+        (rho, self.hydro.floored(specific))
+    }
+
+    /// What particle i of mass `m` brings into the sums of its neighbours.
+    #[inline(always)]
+    fn content(&self, i: usize, m: f64, rho: f64) -> f64 {
+        let units = &self.units;
+        let cs = self.derived.cs[i] / units.velocity;
+        let specific = self.hydro.floored(self.flux.square_pressure * cs * cs);
+        let formulation = self.hydro.formulation;
+        formulation.content(m, specific, rho, self.hydro.exponent)
+    }
+
     /// Reach and row of particle i, which stands at `d` from the middle of its leaf, where steps are doubled `coarser` times.
     #[inline(always)]
     pub fn source<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; QUADS]) {
@@ -75,11 +97,20 @@ impl Pack<'_> {
         let (real, power) = (E::from_f64, self.hydro.dimensions() as i32);
         let (m, cs) = (p.m[i] / units.mass, derived.cs[i] / units.velocity);
         let reach = self.hydro.support() * p.h[i] / units.length;
-        let rho = derived.rho[i] * (units.length.powi(power) / units.mass);
-        let specific = derived.p[i] / (derived.rho[i] * units.velocity * units.velocity);
+        let (rho, specific) = self.state(i);
         let formulation = self.hydro.formulation;
-        let push = self.flux.norm / reach.powi(power + 2) * formulation.push(specific, rho);
-        let content = formulation.content(m, self.flux.square_pressure * cs * cs);
+        let push = match self.hydro.gradient {
+            Gradient::Standard => formulation.push(m, specific, rho, self.hydro.exponent),
+            // The stress has it.
+            Gradient::Matrix => 0.0,
+        };
+        let push = self.flux.norm / reach.powi(power + 2) * push;
+        let content = self.content(i, m, rho);
+        let alpha = if self.hydro.viscosity.is_stress() {
+            0.0
+        } else {
+            p.alpha[i]
+        };
         let x = (d * 0.5f64.powi(coarser)).component_div(&units.step);
         let x = x.map(E::place);
         let v = self.v[i].map(|v| E::place(v / units.velocity_step));
@@ -92,7 +123,7 @@ impl Pack<'_> {
                 Quad([v.x, v.y, v.z, real(derived.grad_h[i] * content)]),
                 Quad([reach, push, rho, cs].map(real)),
                 Quad([
-                    real(p.alpha[i]),
+                    real(alpha),
                     ticks(self.clock.tick - p.begin[i]),
                     ticks(p.span[i]),
                     ticks(self.next_span[i]),
@@ -100,10 +131,61 @@ impl Pack<'_> {
             ],
         )
     }
+
+    /// The same where particles bring more.
+    pub fn more<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; MORE]) {
+        let (reach, [q0, q1, q2, q3]) = self.source::<E>(i, d, coarser);
+        let (derived, units, hydro) = (self.derived, &self.units, self.hydro);
+        let (m, speed2) = (
+            self.particles.m[i] / units.mass,
+            units.velocity * units.velocity,
+        );
+        let (rho, specific) = self.state(i);
+        let content = self.content(i, m, rho);
+        let mut stress = Matrix3::zeros();
+        if hydro.stressed() {
+            let power = hydro.dimensions() as i32;
+            let matrix = |diagonal: &[Vec3], off: &[Vec3]| symmetric(diagonal[i], off[i]);
+            let mut q = Matrix3::zeros();
+            if hydro.viscous_stress() {
+                let unit = units.length.powi(power) / (units.mass * speed2);
+                q = matrix(&derived.stress, &derived.stress_off) * unit;
+            }
+            if hydro.gradient == Gradient::Matrix {
+                q += Matrix3::identity() * (specific * rho);
+            }
+            let y = (hydro.formulation).sum(m, specific, rho, hydro.exponent);
+            let correction = matrix(&derived.correction, &derived.correction_off);
+            let scale = self.flux.norm / reach.abs().powi(power + 2) * content / (y * y);
+            stress = q * correction * scale;
+        }
+        let u = self.u[i] / speed2;
+        let s = |a: usize, b: usize| E::from_f64(stress[(a, b)]);
+        let last = [content, u, specific * rho].map(E::from_f64);
+        (
+            reach,
+            [
+                q0,
+                q1,
+                q2,
+                q3,
+                Quad([s(0, 0), s(0, 1), s(0, 2), s(1, 0)]),
+                Quad([s(1, 1), s(1, 2), s(2, 0), s(2, 1)]),
+                Quad([s(2, 2), last[0], last[1], last[2]]),
+            ],
+        )
+    }
+}
+
+/// The symmetric matrix of this diagonal and these components yz, zx, xy.
+fn symmetric(diagonal: Vec3, off: Vec3) -> Matrix3<f64> {
+    Matrix3::new(
+        diagonal.x, off.z, off.y, off.z, diagonal.y, off.x, off.y, off.x, diagonal.z,
+    )
 }
 
 /// A row of what is beyond any kernel and has no mass.
-pub fn nobody<E: Real>() -> [Quad<E>; QUADS] {
+pub fn nobody<E: Real, const Q: usize>() -> [Quad<E>; Q] {
     // Beyond what the coordinates of the candidates span: the difference is a whole number still.
     let far = E::place(if E::STEPS.is_finite() {
         2.5 * E::STEPS
@@ -112,10 +194,9 @@ pub fn nobody<E: Real>() -> [Quad<E>; QUADS] {
     });
     let (zero, one) = (E::from_f64(0.0), E::from_f64(1.0));
     let never = E::from_f64(f64::INFINITY);
-    [
-        Quad([far, far, far, zero]),
-        Quad([zero; 4]),
-        Quad([one, zero, one, zero]),
-        Quad([zero, zero, zero, never]),
-    ]
+    let mut row = [Quad([zero; 4]); Q];
+    row[0] = Quad([far, far, far, zero]);
+    row[2] = Quad([one, zero, one, zero]);
+    row[3] = Quad([zero, zero, zero, never]);
+    row
 }

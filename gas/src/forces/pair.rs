@@ -11,6 +11,12 @@ use crate::{Formulation, Hydro, KernelKind};
 /// Quads of a row: coordinates on the grid and mass; velocity and g; H, push, density, sound speed; alpha, age and steps.
 pub const QUADS: usize = 4;
 
+/// Quads of a row where particles bring more: the nine components of a stress that is applied to separations; content, u and P.
+pub const MORE: usize = 7;
+
+/// Columns of some rows; those that are not there are zero.
+pub type Columns<S, E> = [[Lanes<S, E>; 4]; MORE];
+
 /// What a particle brings into a pair, a value for each lane; in units of the sweep.
 pub struct Member<S: Simd, E: Real> {
     pub m: Lanes<S, E>,
@@ -28,6 +34,9 @@ pub struct Member<S: Simd, E: Real> {
     pub p: Lanes<S, E>,
     pub rho: Lanes<S, E>,
     pub cs: Lanes<S, E>,
+    /// Rows of the stress times the correction of gradients, the particle's content and the factor of the kernel's slope, by y^2.
+    pub stress: [[Lanes<S, E>; 3]; 3],
+    pub u: Lanes<S, E>,
     pub alpha: Lanes<S, E>,
     /// Ticks since the present step began, its planned span, and the next one's.
     pub age: Lanes<S, E>,
@@ -38,17 +47,23 @@ pub struct Member<S: Simd, E: Real> {
 impl<S: Simd, E: Real> Member<S, E> {
     /// From the columns of some rows.
     #[inline(always)]
-    pub fn new<R: Machine<S, E>>(simd: S, columns: [[Lanes<S, E>; 4]; QUADS], flux: &Flux) -> Self {
-        let [[.., m], [.., g], [reach, push, rho, cs], last] = columns;
+    pub fn new<R: Machine<S, E>>(simd: S, columns: Columns<S, E>, flux: &Flux) -> Self {
+        let [[.., m], [.., g], [reach, push, rho, cs], last, b, c, e] = columns;
         let [alpha, age, span, next_span] = last;
         let inverse = R::reciprocal(simd, reach);
         let square = inverse * inverse;
         let fourth = square * square;
         let slope = if flux.three { fourth * inverse } else { fourth };
-        let content = (flux.formulation).contents::<S, E>(simd, m, cs, flux.square_pressure);
-        let p = if flux.conducts {
+        let content = if flux.plain {
+            (flux.formulation).contents::<S, E>(simd, m, cs, flux.square_pressure)
+        } else {
+            e[1]
+        };
+        let p = if !flux.plain {
+            e[3]
+        } else if flux.conducts {
             let scale = slope * same::<S, E>(simd, flux.norm);
-            (flux.formulation).pressure::<S, E, R>(simd, push, scale, rho)
+            (flux.formulation).pressure::<S, E, R>(simd, push, scale, (m, rho))
         } else {
             same::<S, E>(simd, 0.0)
         };
@@ -63,6 +78,8 @@ impl<S: Simd, E: Real> Member<S, E> {
             p,
             rho,
             cs,
+            stress: [[b[0], b[1], b[2]], [b[3], c[0], c[1]], [c[2], c[3], e[0]]],
+            u: e[2],
             alpha,
             age,
             span,
@@ -72,8 +89,8 @@ impl<S: Simd, E: Real> Member<S, E> {
 
     /// The same particle in all lanes.
     #[inline(always)]
-    pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; QUADS], flux: &Flux) -> Self {
-        let mut columns = [[same::<S, E>(simd, 0.0); 4]; QUADS];
+    pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; MORE], flux: &Flux) -> Self {
+        let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
         for (columns, quad) in columns.iter_mut().zip(row) {
             for (column, &value) in columns.iter_mut().zip(&quad.0) {
                 *column = Lanes::<S, E>::splat(simd, value);
@@ -86,6 +103,7 @@ impl<S: Simd, E: Real> Member<S, E> {
 /// What the particles of a pair know of each other.
 pub struct Separation<S: Simd, E: Real> {
     pub d: [Lanes<S, E>; 3],
+    pub dv: [Lanes<S, E>; 3],
     pub r2: Lanes<S, E>,
     /// v_ij . r_ij
     pub approach: Lanes<S, E>,
@@ -96,8 +114,8 @@ impl<S: Simd, E: Real> Separation<S, E> {
     #[inline(always)]
     pub fn new(
         simd: S,
-        row: &[Quad<E>; QUADS],
-        columns: &[[Lanes<S, E>; 4]; QUADS],
+        row: &[Quad<E>; MORE],
+        columns: &Columns<S, E>,
         length: [E; 3],
         velocity: E,
     ) -> Self {
@@ -112,6 +130,7 @@ impl<S: Simd, E: Real> Separation<S, E> {
         Self {
             r2: dot::<S, E>(&d, &d),
             approach: dot::<S, E>(&dv, &d),
+            dv,
             d,
         }
     }
@@ -128,6 +147,9 @@ pub struct Flux {
     kernel: KernelKind,
     formulation: Formulation,
     pub three: bool,
+    /// Whether what particles bring follows from mass and sound speed, and whether they bring a stress: branches that are always the same way.
+    pub plain: bool,
+    pub stressed: bool,
     /// Whether heat is conducted: a branch that is always the same way.
     pub conducts: bool,
     /// The factor of the kernel's slope.
@@ -138,7 +160,7 @@ pub struct Flux {
     beta_ratio: f64,
     /// h / H.
     h_by_reach: f64,
-    /// alpha_u times u by the square of the sound speed.
+    /// alpha_u, times u by the square of the sound speed where that stands for u.
     conduction: f64,
 }
 
@@ -147,6 +169,8 @@ impl Flux {
         let d = hydro.dimensions();
         Self {
             three: d == 3,
+            plain: hydro.plain(),
+            stressed: hydro.stressed(),
             conducts: hydro.conducts(),
             kernel: hydro.kernel,
             formulation: hydro.formulation,
@@ -154,11 +178,15 @@ impl Flux {
             square_pressure: hydro.eos.pressure_by_square(),
             beta_ratio: hydro.viscosity.ratio(),
             h_by_reach: 1.0 / hydro.support(),
-            conduction: hydro.conduction.alpha * hydro.eos.energy_by_square(),
+            conduction: if hydro.plain() {
+                hydro.conduction.alpha * hydro.eos.energy_by_square()
+            } else {
+                hydro.conduction.alpha
+            },
         }
     }
 
-    /// The force of a pair on its member `a` by the separation, and the heat that stays with `a`, a time.
+    /// The force of a pair on its member `a`, and the heat that stays with `a`, a time.
     #[inline(always)]
     pub fn between<S: Simd, E: Real, R: Machine<S, E>>(
         &self,
@@ -166,7 +194,7 @@ impl Flux {
         a: &Member<S, E>,
         b: &Member<S, E>,
         pair: &Separation<S, E>,
-    ) -> [Lanes<S, E>; 2] {
+    ) -> ([Lanes<S, E>; 3], Lanes<S, E>) {
         let constant = |x: f64| same::<S, E>(simd, x);
         let (zero, half, one) = (constant(0.0), constant(0.5), constant(1.0));
         let r2 = pair.r2.max(constant(E::TINY));
@@ -192,13 +220,32 @@ impl Flux {
         let mut heat = viscous.mul_add(half, pressure_a) * pair.approach;
         if self.conducts {
             let contrast = Contrast {
-                cs2: (a.cs - b.cs) * (a.cs + b.cs),
+                u: if self.plain {
+                    (a.cs - b.cs) * (a.cs + b.cs)
+                } else {
+                    a.u - b.u
+                },
                 p: a.p - b.p,
                 volume,
             };
             let flux = contrast.flux::<R>(simd, self.conduction);
             heat = (grip * r).mul_add(flux, heat);
         }
-        [pull, heat]
+        let mut force = pair.d.map(
+            #[inline(always)]
+            |d| pull * d,
+        );
+        if self.stressed {
+            let (own, other) = (b.content * slope_a, a.content * slope_b);
+            for ((force, dv), (row_a, row_b)) in
+                (force.iter_mut().zip(pair.dv)).zip(a.stress.iter().zip(&b.stress))
+            {
+                let own = own * dot::<S, E>(row_a, &pair.d);
+                let both = own + other * dot::<S, E>(row_b, &pair.d);
+                *force += both;
+                heat = own.mul_add(dv, heat);
+            }
+        }
+        (force, heat)
     }
 }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 
 use super::out::Out;
 use super::pack::{Pace, nobody};
-use super::pair::{Flux, Member, QUADS, Separation};
+use super::pair::{Flux, MORE, Member, QUADS, Separation};
 use super::sums::{Even, Mixed, Sums};
-use crate::lanes::{Job, Lanes, Machine};
+use crate::lanes::{Job, Lanes, Machine, Quad, same};
 use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search};
 use crate::workspace::Element;
 
@@ -192,7 +192,11 @@ impl<E: Element> Sweep<'_, E> {
             active: !all,
         };
         let far = region.gather(simd, &search);
-        region.fetch::<QUADS>(&search, far, nobody())
+        if self.flux.plain {
+            region.fetch::<QUADS>(&search, far, nobody())
+        } else {
+            region.fetch::<MORE>(&search, far, nobody())
+        }
     }
 
     #[inline(always)]
@@ -204,28 +208,31 @@ impl<E: Element> Sweep<'_, E> {
         region: &mut Region<E>,
         sums: &mut A,
     ) {
-        let mut row = self.packed.row(i);
+        let mut row = [Quad::default(); MORE];
+        if self.flux.plain {
+            row[..QUADS].copy_from_slice(&self.packed.row::<QUADS>(i));
+        } else {
+            row = self.packed.row::<MORE>(i);
+        }
         row[0] = E::moved(row[0], [0.0; 3], grid.from, grid.to);
         let own = Member::<S, E>::alone::<R>(simd, &row, &self.flux);
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
         region.meet(simd, place, reach * reach, !self.active(i));
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
-            let columns = [
-                region.quad::<S, R>(simd, 0, first),
-                region.quad::<S, R>(simd, 1, first),
-                region.quad::<S, R>(simd, 2, first),
-                region.quad::<S, R>(simd, 3, first),
-            ];
+            let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
+            for (part, column) in columns[..QUADS].iter_mut().enumerate() {
+                *column = region.quad::<S, R>(simd, part, first);
+            }
+            if !self.flux.plain {
+                for (part, column) in columns.iter_mut().enumerate().skip(QUADS) {
+                    *column = region.quad::<S, R>(simd, part, first);
+                }
+            }
             let other = Member::new::<R>(simd, columns, &self.flux);
             let pair = Separation::new(simd, &row, &columns, grid.length, grid.velocity);
-            let flux = (self.flux).between::<S, E, R>(simd, &own, &other, &pair);
-            let force = [
-                flux[0] * pair.d[0],
-                flux[0] * pair.d[1],
-                flux[0] * pair.d[2],
-            ];
-            sums.add(simd, &own, &other, force, flux[1]);
+            let (force, heat) = (self.flux).between::<S, E, R>(simd, &own, &other, &pair);
+            sums.add(simd, &own, &other, force, heat);
         }
     }
 }

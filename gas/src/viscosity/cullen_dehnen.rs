@@ -50,12 +50,21 @@ impl Compression {
         } else {
             0.0
         };
-        if alpha <= local {
-            local
-        } else {
-            let decay = 2.0 * DECAY * self.v_sig * self.dt / self.reach;
-            local + (alpha - local) * (-decay).exp()
-        }
+        relaxed(alpha, local, decay(self.v_sig * self.dt / self.reach))
+    }
+}
+
+/// What is left of alpha after `crossings` of H at the signal speed.
+pub fn decay(crossings: f64) -> f64 {
+    (-2.0 * DECAY * crossings).exp()
+}
+
+/// alpha that was `alpha`: at once `local` where that is more, else `decay` of the way from it is left.
+pub fn relaxed(alpha: f64, local: f64, decay: f64) -> f64 {
+    if alpha <= local {
+        local
+    } else {
+        local + (alpha - local) * decay
     }
 }
 

@@ -7,8 +7,8 @@ use gas::KernelKind;
 use super::Facts;
 use crate::reader::{Range, Section};
 use crate::scene::{
-    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Lattice, Precision,
-    Softening, Thermal, Viscosity,
+    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Gradient, Hydro, Lattice,
+    Physical, Precision, Softening, Thermal, Viscosity,
 };
 use crate::units::Kind;
 
@@ -31,6 +31,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         section.wrong("", "needs [gas.disk], [[gas.block]] or an initial.file");
     }
     let conduction = conduction(&section, &eos);
+    let (viscosity, physical) = viscosity(&section, facts);
     let gas = Gas {
         particles: disk_particles(&section, "gas.disk", disk.is_some() || section.has("disk")),
         softening: softening(&section, Softening::SmoothingLength),
@@ -39,7 +40,8 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         eos,
         cooling: cooling(&section),
         hydro: hydro(&section, facts),
-        viscosity: viscosity(&section),
+        viscosity,
+        physical,
         conduction,
     };
     section.close();
@@ -317,16 +319,26 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         test: |n| (6.0..=1000.0).contains(&n),
         text: "from 6 to 1000",
     };
+    const EXPONENT: Range = Range {
+        test: |zeta| (0.05..=1.0).contains(&zeta),
+        text: "from 0.05 to 1",
+    };
     const TOLERANCE: Range = Range {
         test: |x| (1e-12..=0.1).contains(&x),
         text: "from 1e-12 to 0.1",
     };
     let section = gas.section("hydro");
-    let formulations = [
-        ("density", Formulation::Density),
-        ("pressure", Formulation::Pressure),
-    ];
-    let formulation = section.choice("formulation", &formulations, &[]);
+    let formulation = section.choice("formulation", &FORMULATIONS, &[]);
+    let formulation = formulation.unwrap_or(Formulation::Density);
+    let exponent = section.number("pressure_exponent", EXPONENT);
+    if formulation != Formulation::Pressure {
+        section.misplaced(
+            &["pressure_exponent"],
+            "belongs to formulation = \"pressure\"",
+        );
+    }
+    let grad_h = section.flag("grad_h");
+    let gradient = section.choice("gradient", &GRADIENTS, &[]);
     let kernel = section.choice("kernel", &KERNELS, &[]);
     let kernel = kernel.unwrap_or(KernelKind::WendlandC2);
     let neighbours = section.number("neighbours", NEIGHBOURS);
@@ -336,13 +348,64 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
     let precision = section.choice("precision", &precisions, &[]);
     section.close();
     Hydro {
-        formulation: formulation.unwrap_or(Formulation::Density),
+        formulation,
+        exponent: exponent.unwrap_or(1.0),
+        grad_h: grad_h.unwrap_or(true),
+        gradient: gradient.unwrap_or_default(),
         kernel,
         neighbours: neighbours.unwrap_or_else(|| default_neighbours(kernel, facts)),
         courant: courant.unwrap_or(facts.by_preset([0.4, 0.25, 0.15])),
         tolerance: tolerance.unwrap_or(facts.by_preset([1e-3, 1e-4, 1e-6])),
         precision: precision.unwrap_or(Precision::Double),
     }
+}
+
+/// Formulations by name.
+pub const FORMULATIONS: [(&str, Formulation); 4] = [
+    ("density", Formulation::Density),
+    ("pressure", Formulation::Pressure),
+    ("number-density", Formulation::Number),
+    ("smoothed-energy", Formulation::Smoothed),
+];
+
+/// Gradients by name.
+pub const GRADIENTS: [(&str, Gradient); 2] = [
+    ("standard", Gradient::Standard),
+    ("matrix", Gradient::Matrix),
+];
+
+/// The name of a value among `names`.
+pub fn name_of<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
+    let named = names.iter().find(|(_, named)| *named == value);
+    named.expect("a name for each value").0
+}
+
+/// Artificial viscosities by name, made from alpha and beta.
+const VISCOSITIES: [(&str, fn(f64, f64) -> Viscosity); 7] = [
+    ("none", |_, _| Viscosity::None),
+    ("constant", |alpha, beta| Viscosity::Constant {
+        alpha,
+        beta,
+    }),
+    ("balsara", |alpha, beta| Viscosity::Balsara { alpha, beta }),
+    ("cullen-dehnen", |alpha, beta| Viscosity::CullenDehnen {
+        alpha,
+        beta,
+    }),
+    ("neumann-richtmyer", |alpha, beta| {
+        Viscosity::NeumannRichtmyer { alpha, beta }
+    }),
+    ("tensor", |alpha, beta| Viscosity::Tensor { alpha, beta }),
+    ("planar", |alpha, beta| Viscosity::Planar { alpha, beta }),
+];
+
+/// The name of an artificial viscosity.
+pub fn viscosity_name(viscosity: &Viscosity) -> &'static str {
+    let [alpha, beta] = viscosity.parameters().unwrap_or_default();
+    let named = VISCOSITIES
+        .iter()
+        .find(|(_, make)| make(alpha, beta) == *viscosity);
+    named.expect("a name for each viscosity").0
 }
 
 /// Kernels by name.
@@ -366,16 +429,10 @@ fn default_neighbours(kernel: KernelKind, facts: &Facts) -> f64 {
     facts.by_preset(if facts.dimensions == 2 { plane } else { space })
 }
 
-fn viscosity(gas: &Section<'_>) -> Viscosity {
+fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
     let section = gas.section("viscosity");
-    let kinds = [
-        ("none", 0),
-        ("constant", 1),
-        ("balsara", 2),
-        ("cullen-dehnen", 3),
-    ];
-    let later = ["neumann-richtmyer", "planar"];
-    let kind = section.choice("kind", &kinds, &later).unwrap_or(2);
+    let names: [(&str, usize); VISCOSITIES.len()] = std::array::from_fn(|k| (VISCOSITIES[k].0, k));
+    let kind = section.choice("kind", &names, &[]).unwrap_or(2);
     if kind == 0 {
         section.misplaced(&["alpha", "beta"], "has no place in kind = \"none\"");
     }
@@ -383,13 +440,25 @@ fn viscosity(gas: &Section<'_>) -> Viscosity {
     let beta = section
         .number("beta", Range::NOT_NEGATIVE)
         .unwrap_or(2.0 * alpha);
-    section.close();
-    match kind {
-        0 => Viscosity::None,
-        1 => Viscosity::Constant { alpha, beta },
-        2 => Viscosity::Balsara { alpha, beta },
-        _ => Viscosity::CullenDehnen { alpha, beta },
+    let disk = section.number("shakura_sunyaev", Range::NOT_NEGATIVE);
+    let nu = section.quantity("kinematic", Kind::KINEMATIC, Range::NOT_NEGATIVE);
+    section.exclusive("shakura_sunyaev", "kinematic");
+    if disk.is_some() && !facts.has_star {
+        section.wrong(
+            "shakura_sunyaev",
+            "needs a [star], whose orbits the viscosity is measured by",
+        );
     }
+    section.close();
+    let physical = match (disk, nu) {
+        (Some(alpha), _) if alpha > 0.0 => Physical::ShakuraSunyaev {
+            alpha,
+            mu: facts.gravity * facts.star_mass,
+        },
+        (_, Some(nu)) if nu > 0.0 => Physical::Constant { nu },
+        _ => Physical::None,
+    };
+    (VISCOSITIES[kind].1(alpha, beta), physical)
 }
 
 fn conduction(gas: &Section<'_>, eos: &Eos) -> f64 {

@@ -1,10 +1,10 @@
 //! Gas and dust of a scene as text.
 
 use super::text::Text;
-use crate::read::gas::KERNELS;
+use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
 use crate::scene::{
     Block, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation, Gas, Hydro,
-    Lattice, Precision, Sizes, Thermal, Viscosity,
+    Lattice, Physical, Precision, Sizes, Thermal,
 };
 
 pub fn write_gas(text: &mut Text, gas: &Gas) {
@@ -32,16 +32,15 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     }
     write_hydro(text, &gas.hydro);
     text.table("gas.viscosity");
-    let mut viscosity = |kind, alpha, beta| {
-        text.text("kind", kind);
+    text.text("kind", viscosity_name(&gas.viscosity));
+    if let Some([alpha, beta]) = gas.viscosity.parameters() {
         text.number("alpha", alpha);
         text.number("beta", beta);
-    };
-    match gas.viscosity {
-        Viscosity::None => text.text("kind", "none"),
-        Viscosity::Constant { alpha, beta } => viscosity("constant", alpha, beta),
-        Viscosity::Balsara { alpha, beta } => viscosity("balsara", alpha, beta),
-        Viscosity::CullenDehnen { alpha, beta } => viscosity("cullen-dehnen", alpha, beta),
+    }
+    match gas.physical {
+        Physical::None => {}
+        Physical::Constant { nu } => text.number("kinematic", nu),
+        Physical::ShakuraSunyaev { alpha, .. } => text.number("shakura_sunyaev", alpha),
     }
     text.table("gas.conduction");
     text.number("alpha", gas.conduction);
@@ -118,12 +117,13 @@ fn write_block(text: &mut Text, block: &Block) {
 
 fn write_hydro(text: &mut Text, hydro: &Hydro) {
     text.table("gas.hydro");
-    match hydro.formulation {
-        Formulation::Density => text.text("formulation", "density"),
-        Formulation::Pressure => text.text("formulation", "pressure"),
+    text.text("formulation", name_of(&FORMULATIONS, hydro.formulation));
+    if hydro.formulation == Formulation::Pressure {
+        text.number("pressure_exponent", hydro.exponent);
     }
-    let named = KERNELS.iter().find(|(_, kernel)| *kernel == hydro.kernel);
-    text.text("kernel", named.expect("a name for each kernel").0);
+    text.raw("grad_h", hydro.grad_h);
+    text.text("gradient", name_of(&GRADIENTS, hydro.gradient));
+    text.text("kernel", name_of(&KERNELS, hydro.kernel));
     text.number("neighbours", hydro.neighbours);
     text.number("courant", hydro.courant);
     text.number("tolerance", hydro.tolerance);

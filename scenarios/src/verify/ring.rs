@@ -1,0 +1,238 @@
+//! A cold ring about a star in the plane: how long a scheme lets it live (Cullen & Dehnen 2010, section 4.5).
+//!
+//! Sigma ~ exp(-(R - 10)^2 / 2 s^2), s = 1.25, G M = 1000: the orbital period at R = 10 is 2 pi. Isothermal with c_s = 0.01, a thousandth of
+//! the orbital speed: pressure does next to nothing, and the exact solution stays as it is. Particles of equal mass stand on rings, each
+//! turned by a golden section against the last. Survived: orbits until the masses of rings of width s / 4 within 3 s differ by 10 % of the
+//! ring's mass, sum |m - m_0| / M.
+//! Torques on the particles that begin outside R = 10, from the rest of the gas: by viscosity, by pressure; by the star, none.
+
+use std::f64::consts::TAU;
+
+use coupling::System;
+use gas::{Gas, Hydro, Particles, Viscosity};
+use nbody::points::{Columns, Fault, Vec3};
+
+use crate::populate;
+use crate::trial::Trial;
+
+const MIDDLE: f64 = 10.0;
+const WIDTH: f64 = 1.25;
+const MU: f64 = 1000.0;
+const RINGS: usize = 24;
+const CELLS: usize = 1 << 16;
+
+/// What became of a ring.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Life {
+    /// Orbits until 10 % of the mass were elsewhere; as long as the run was, if that never happened.
+    pub survived: f64,
+    pub died: bool,
+    /// sum |m - m_0| / M at the end.
+    pub change: f64,
+    /// Root mean square of the radial velocity by the sound speed, and of the semi-major axes' change by the ring's width, at the end.
+    pub noise: f64,
+    pub wander: f64,
+    /// Change of the outer half's angular momentum by that of the ring, an orbit, over the last orbits; and the parts that
+    /// viscosity and pressure account for.
+    pub torque: [f64; 3],
+    pub error_angular_momentum: f64,
+    /// CPU time, s, and a particle's update, us.
+    pub cpu_s: f64,
+    pub update: f64,
+}
+
+/// The scene of `n` particles or about as many; `scheme` is further text of it.
+fn scene(n: usize, scheme: &str) -> String {
+    // The block is replaced: its lattice only says how many particles there are.
+    format!(
+        r#"
+title = "Ring"
+[run]
+end_time = 1.0
+[units]
+system = "dimensionless"
+[domain]
+kind = "open"
+dimensions = 2
+[star]
+mass = {MU}
+accretion_radius = 0.5
+[[gas.block]]
+lo = [0.0, 0.0, 0.0]
+hi = [{n}.0, 1.0, 0.0]
+spacing = 1.0
+density = 1.0
+[gas.eos]
+kind = "isothermal"
+sound_speed = 0.01
+{scheme}
+"#
+    )
+}
+
+/// The ring's particles: as many on each of its circles as keep them as far apart along it as the circles are.
+fn lay_out(gas: &mut Particles) {
+    let wanted = gas.len();
+    let quantiles = quantiles();
+    let radius =
+        |done: f64| quantiles[((done / wanted as f64 * CELLS as f64) as usize).min(CELLS - 1)];
+    // A particle's cell has sides of the root of M / (N Sigma), with M = 2 pi R_0 s sqrt(2 pi) where Sigma is one.
+    let mass = TAU * MIDDLE * WIDTH * TAU.sqrt();
+    let mut x = Vec::with_capacity(wanted);
+    let (mut turn, mut done) = (0.0, 0.0);
+    while done < wanted as f64 {
+        let r = radius(done + 0.5);
+        let spacing = (mass / (wanted as f64 * bell(r))).sqrt();
+        let around = (TAU * r / spacing).round().clamp(1.0, wanted as f64 - done);
+        let r = radius(done + 0.5 * around);
+        x.extend((0..around as usize).map(|k| (r, TAU * k as f64 / around + turn)));
+        turn += TAU * 0.618_033_988_75 / around;
+        done += around;
+    }
+    x.truncate(wanted);
+    gas.resize(x.len());
+    for (i, &(r, phase)) in x.iter().enumerate() {
+        gas.id[i] = i as u64;
+        let (sin, cos) = phase.sin_cos();
+        gas.x[i] = r * Vec3::new(cos, sin, 0.0);
+        gas.v[i] = (MU / r).sqrt() * Vec3::new(-sin, cos, 0.0);
+        gas.m[i] = 1e-6 / wanted as f64;
+        gas.h[i] = 0.0;
+    }
+}
+
+fn bell(r: f64) -> f64 {
+    (-0.5 * ((r - MIDDLE) / WIDTH).powi(2)).exp()
+}
+
+/// Radii that hold equal parts of the mass, CELLS of them, from six widths inside to six outside.
+fn quantiles() -> Vec<f64> {
+    let cell = 12.0 * WIDTH / CELLS as f64;
+    let edge = |k: usize| MIDDLE + WIDTH * (12.0 * k as f64 / CELLS as f64 - 6.0);
+    let mut sums = vec![0.0];
+    for k in 0..CELLS {
+        let r = edge(k) + 0.5 * cell;
+        sums.push(sums[k] + r * bell(r) * cell);
+    }
+    let mut k = 0;
+    let of = |part: usize| {
+        let wanted = (part as f64 + 0.5) / CELLS as f64 * sums[CELLS];
+        while sums[k + 1] < wanted {
+            k += 1;
+        }
+        edge(k) + cell * (wanted - sums[k]) / (sums[k + 1] - sums[k])
+    };
+    (0..CELLS).map(of).collect()
+}
+
+/// Masses of the rings within three widths, by that of all.
+fn masses(gas: &Particles) -> [f64; RINGS] {
+    let mut masses = [0.0; RINGS];
+    let all: f64 = gas.m.iter().sum();
+    for (x, m) in gas.x.iter().zip(&gas.m) {
+        let place = ((x.xy().norm() - MIDDLE) / (6.0 * WIDTH) + 0.5) * RINGS as f64;
+        if (0.0..RINGS as f64).contains(&place) {
+            masses[place as usize] += m / all;
+        }
+    }
+    masses
+}
+
+/// The angular momentum of the half of identities that begins outside, by that of all.
+fn outer(system: &System) -> f64 {
+    let gas = &system.gas.particles;
+    let (mut outer, mut all) = (0.0, 0.0);
+    for i in 0..gas.len() {
+        let l = gas.m[i] * gas.x[i].cross(&gas.v[i]).z;
+        all += l;
+        outer += if gas.id[i] >= gas.len() as u64 / 2 {
+            l
+        } else {
+            0.0
+        };
+    }
+    outer / all
+}
+
+/// The torques on that half by viscosity and by pressure, by the ring's angular momentum.
+fn torques(system: &System, inviscid: &Hydro) -> [f64; 2] {
+    let torque = |gas: &Gas| {
+        let p = &gas.particles;
+        let mut sums = [0.0; 2];
+        for i in 0..gas.len() {
+            let outside = p.id[i] >= gas.len() as u64 / 2;
+            sums[0] += f64::from(u8::from(outside)) * p.m[i] * p.x[i].cross(&gas.rates.hydro[i]).z;
+            sums[1] += p.m[i] * p.x[i].cross(&p.v[i]).z;
+        }
+        sums[0] / sums[1]
+    };
+    let all = torque(&system.gas);
+    let mut still = system.gas.clone();
+    still.forces(inviscid, &system.clock, &system.clock);
+    let pressure = torque(&still);
+    [all - pressure, pressure]
+}
+
+/// Runs a ring of `n` particles for up to `orbits`.
+pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Result<Life, Fault> {
+    let trial = Trial::new(&scene(n, scheme), overrides, lay_out);
+    let mut trial = trial.unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
+    let gas = trial.scene.gas.as_ref().expect("a ring of gas");
+    let inviscid = Hydro {
+        viscosity: Viscosity::None,
+        ..populate::hydro(&trial.scene, gas)
+    };
+    let mut life = Life::default();
+    let (mut first, mut axes, mut before) = (None, Vec::new(), 0.0);
+    const SAMPLES: usize = 4;
+    let stops: Vec<f64> = (0..=orbits * SAMPLES)
+        .map(|k| TAU * k as f64 / SAMPLES as f64)
+        .collect();
+    let mut parts = [0.0; 3];
+    let mut alive = true;
+    trial.run_while(&stops, |stop| {
+        let gas = &stop.system.gas.particles;
+        let now = masses(gas);
+        let time = stop.system.clock.time() / TAU;
+        let l = outer(stop.system);
+        let found = torques(stop.system, &inviscid);
+        if let Some(first) = first {
+            let first: [f64; RINGS] = first;
+            life.change = (first.iter().zip(&now)).map(|(a, b)| (a - b).abs()).sum();
+            // Over the last quarter orbit, with the torques at its ends.
+            life.torque = [(l - before) * SAMPLES as f64, 0.0, 0.0];
+            for k in 0..2 {
+                life.torque[k + 1] = 0.5 * (parts[k] + found[k]) * TAU;
+            }
+        } else {
+            first = Some(now);
+            axes = semi_major_axes(gas);
+        }
+        (before, parts) = (l, [found[0], found[1], 0.0]);
+        alive = life.change.is_finite() && life.change < 0.1;
+        life.survived = time;
+        let radial = |(x, v): (&Vec3, &Vec3)| (x.dot(v) / x.norm() / 0.01).powi(2);
+        life.noise = (gas.x.iter().zip(&gas.v).map(radial).sum::<f64>() / gas.len() as f64).sqrt();
+        let apart = axes
+            .iter()
+            .zip(&semi_major_axes(gas))
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>();
+        life.wander = (apart / gas.len() as f64).sqrt() / WIDTH;
+        life.error_angular_momentum = stop.books.error_angular_momentum;
+        alive
+    })?;
+    life.died = !alive;
+    life.cpu_s = trial.cpu_s();
+    life.update = trial.cpu_s() / trial.updates() as f64 * 1e6;
+    Ok(life)
+}
+
+/// Semi-major axes in the order of the identities.
+fn semi_major_axes(gas: &Particles) -> Vec<f64> {
+    let mut axes = vec![0.0; gas.len()];
+    for i in 0..gas.len() {
+        axes[gas.id[i] as usize] = 1.0 / (2.0 / gas.x[i].norm() - gas.v[i].norm_squared() / MU);
+    }
+    axes
+}
