@@ -1,18 +1,17 @@
 //! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
 //!
-//! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps] [precision: double | single]
-//!     [formulation: density | pressure | number | smoothed] [viscosity: constant | balsara | cullen-dehnen |
-//!     neumann-richtmyer | tensor | planar | none] [alpha of conduction] [gradient: standard | matrix]
+//! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps] [precision] [formulation] [viscosity]
+//!     [alpha of conduction] [gradient], as `scheme::set` reads them
 
 use std::f64::consts::TAU;
 
-use gas::{
-    Conduction, Eos, Formulation, Gas, Gradient, Hydro, KernelKind, Particles, Precision, Viscosity,
-};
+use gas::{Eos, Gas, Hydro, KernelKind, Particles};
 use nbody::points::clock::{Centre, Pacing};
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
 use rand::RngExt;
+
+mod scheme;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -26,31 +25,7 @@ fn main() {
         hydro.kernel = KernelKind::CubicSpline;
     }
     hydro.neighbours = number(2, hydro.neighbours);
-    if words.get(4).is_some_and(|word| word == "single") {
-        hydro.precision = Precision::Single;
-    }
-    hydro.formulation = match words.get(5).map_or("density", String::as_str) {
-        "pressure" => Formulation::Pressure,
-        "number" => Formulation::Number,
-        "smoothed" => Formulation::Smoothed,
-        _ => Formulation::Density,
-    };
-    if words.get(8).is_some_and(|word| word == "matrix") {
-        hydro.gradient = Gradient::Matrix;
-    }
-    let (alpha, beta) = (0.7, 2.0);
-    hydro.viscosity = match words.get(6).map_or("constant", String::as_str) {
-        "none" => Viscosity::None,
-        "balsara" => Viscosity::Balsara { alpha, beta },
-        "cullen-dehnen" => Viscosity::CullenDehnen { alpha, beta },
-        "neumann-richtmyer" => Viscosity::NeumannRichtmyer { alpha, beta },
-        "tensor" => Viscosity::Tensor { alpha, beta },
-        "planar" => Viscosity::Planar { alpha, beta },
-        _ => hydro.viscosity,
-    };
-    hydro.conduction = Conduction {
-        alpha: number(7, 0.0),
-    };
+    scheme::set(&mut hydro, words.get(4..).unwrap_or_default(), 0.7, 2.0);
     let mut gas = jittered(number(0, 48.0) as usize);
     let mut cost = [
         ("density", 0.0),

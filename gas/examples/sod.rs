@@ -1,14 +1,14 @@
 //! Sod's shock tube in three dimensions (gamma = 5/3): error norms against the exact solution, and the cost of an update.
 //!
-//! sod [n] [kernel: wendland | cubic] [neighbours] [alpha] [beta] [courant] [precision: double | single] [constant | cullen-dehnen]
-//!     [formulation: density | pressure] [alpha of conduction]
+//! sod [n] [kernel: wendland | cubic] [neighbours] [alpha] [beta] [courant] [precision] [formulation] [viscosity]
+//!     [alpha of conduction] [gradient], as `scheme::set` reads them
 //! Box 2 x 16/n x 16/n; equal-mass body-centred lattices with cell 1/n at rho 1 and 2/n at rho 1/8; P = 1 and 0.1; t = 0.2.
 //! Norm: volume-weighted mean of |f - exact| over |x - 1| < 0.5.
 
-use gas::{
-    Conduction, Eos, Formulation, Gas, Hydro, KernelKind, Particles, Precision, Viscosity, alone,
-};
+use gas::{Eos, Gas, Hydro, KernelKind, Particles, alone};
 use nbody::points::{Columns, Domain, Vec3};
+
+mod scheme;
 
 const GAMMA: f64 = 5.0 / 3.0;
 
@@ -27,21 +27,13 @@ fn main() {
         hydro.kernel = KernelKind::CubicSpline;
     }
     hydro.neighbours = number(2, hydro.neighbours);
-    let (alpha, beta) = (number(3, 0.7), number(4, 2.0));
-    hydro.viscosity = match words.get(7).map(String::as_str) {
-        Some("cullen-dehnen") => Viscosity::CullenDehnen { alpha, beta },
-        _ => Viscosity::Constant { alpha, beta },
-    };
+    scheme::set(
+        &mut hydro,
+        words.get(6..).unwrap_or_default(),
+        number(3, 0.7),
+        number(4, 2.0),
+    );
     hydro.courant = number(5, hydro.courant);
-    if words.get(6).is_some_and(|word| word == "single") {
-        hydro.precision = Precision::Single;
-    }
-    if words.get(8).is_some_and(|word| word == "pressure") {
-        hydro.formulation = Formulation::Pressure;
-    }
-    hydro.conduction = Conduction {
-        alpha: number(9, 0.0),
-    };
     let before = gas.totals();
     let start = cpu_seconds();
     let account = alone::advance(&mut gas, &hydro, 0.0, 0.2, 0.2).expect("a run");

@@ -108,7 +108,7 @@ impl Hydro {
 
     /// Whether the linear-exact gradient of the velocity is wanted.
     pub(crate) fn wants_gradient(&self) -> bool {
-        self.viscosity.remembers() || self.stressed()
+        self.viscosity.remembers() || self.viscosity.heeds_strain() || self.stressed()
     }
 
     /// Whether what a particle brings into pairs follows from its mass and sound speed.

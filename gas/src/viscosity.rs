@@ -46,6 +46,11 @@ pub enum Viscosity {
         alpha: f64,
         beta: f64,
     },
+    /// alpha between zero and `alpha` where gas is compressed along one axis, between pairs.
+    PlanarSwitch {
+        alpha: f64,
+        beta: f64,
+    },
     /// A stress along the axis of compression where there is but one; alpha between zero and `alpha`.
     Planar {
         alpha: f64,
@@ -77,7 +82,7 @@ impl Viscosity {
             | Self::NeumannRichtmyer { alpha, .. }
             | Self::Tensor { alpha, .. } => alpha,
             // The stress says.
-            Self::Planar { .. } => present,
+            Self::Planar { .. } | Self::PlanarSwitch { .. } => present,
             Self::Balsara { alpha, .. } => {
                 let div = flow.div_v.abs();
                 alpha * div / (div + flow.curl_v + 1e-4 * flow.cs / flow.h)
@@ -103,6 +108,11 @@ impl Viscosity {
         )
     }
 
+    /// Whether its alpha follows from the strain of the gas.
+    pub fn heeds_strain(&self) -> bool {
+        self.is_stress() || matches!(self, Self::PlanarSwitch { .. })
+    }
+
     /// alpha and the stress of a particle that had `present` and whose alpha falls to `decay` of itself in the step that has passed.
     pub fn stress(&self, place: &Place, present: f64, decay: f64) -> (f64, Matrix3<f64>) {
         match *self {
@@ -113,11 +123,16 @@ impl Viscosity {
                 let strain = Strain::of(&place.gradient);
                 (alpha, tensor::stress(place, &strain, alpha, beta))
             }
-            Self::Planar { alpha, .. } => {
+            Self::Planar { alpha, .. } | Self::PlanarSwitch { alpha, .. } => {
                 let strain = Strain::of(&place.gradient);
                 let local = alpha * planar::target(place, &strain);
                 let alpha = relaxed(present, local, decay);
-                (alpha, planar::stress(place, &strain, alpha, self.ratio()))
+                let stress = if self.is_stress() {
+                    planar::stress(place, &strain, alpha, self.ratio())
+                } else {
+                    Matrix3::zeros()
+                };
+                (alpha, stress)
             }
             _ => (present, Matrix3::zeros()),
         }
@@ -132,6 +147,7 @@ impl Viscosity {
             | Self::CullenDehnen { alpha, beta }
             | Self::NeumannRichtmyer { alpha, beta }
             | Self::Tensor { alpha, beta }
+            | Self::PlanarSwitch { alpha, beta }
             | Self::Planar { alpha, beta } => Some([alpha, beta]),
         }
     }
@@ -150,32 +166,4 @@ impl Viscosity {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_switch_is_one_in_compression_and_zero_in_rotation() {
-        let switch = Viscosity::Balsara {
-            alpha: 1.0,
-            beta: 2.0,
-        };
-        let alpha =
-            |viscosity: Viscosity, flow| viscosity.alpha(flow, 0.0, || unreachable!("no gradient"));
-        let flow = Flow {
-            div_v: -3.0,
-            curl_v: 0.0,
-            cs: 1.0,
-            h: 0.1,
-        };
-        // 3 / (3 + 1e-3) and 0.
-        assert!((alpha(switch, flow) - 3.0 / 3.001).abs() < 1e-15);
-        let turning = Flow {
-            div_v: 0.0,
-            curl_v: 3.0,
-            ..flow
-        };
-        assert_eq!(alpha(switch, turning), 0.0);
-        assert_eq!(switch.ratio(), 2.0);
-        assert_eq!(alpha(Viscosity::None, flow), 0.0);
-    }
-}
+mod tests;

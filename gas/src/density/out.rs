@@ -124,7 +124,7 @@ impl<'a> Out<'a> {
             h: reach * self.h_by_reach,
         };
         let mut v_sig = local.v_sig * self.velocity;
-        let alpha = if self.hydro.stressed() {
+        let alpha = if self.hydro.stressed() || self.hydro.viscosity.heeds_strain() {
             self.stress(i, local, (flow, rho, reach), &mut v_sig)
         } else {
             self.alpha(i, local, flow, reach)
@@ -190,7 +190,42 @@ impl<'a> Out<'a> {
         p * (self.density * self.velocity * self.velocity)
     }
 
-    /// Writes the correction of gradients and the viscous stress of particle i; returns its alpha, and adds to `v_sig` what shortens its steps.
+    /// The place of particle i: its velocity gradient in code units, along the axes of the domain.
+    fn place(&self, local: &Local, (flow, rho): (Flow, f64)) -> Place {
+        let mut gradient = match local.flow.linear {
+            Some([v, _]) => v * (self.velocity / self.length),
+            None => Matrix3::zeros(),
+        };
+        for a in (0..3).filter(|&a| !self.hydro.domain.axes[a]) {
+            gradient.row_mut(a).fill(0.0);
+            gradient.column_mut(a).fill(0.0);
+        }
+        Place {
+            gradient,
+            rho,
+            cs: flow.cs,
+            h: flow.h,
+        }
+    }
+
+    /// The correction of gradients.
+    fn correction(&self, local: &Local, reach: f64) -> Matrix3<f64> {
+        let (hydro, d) = (self.hydro, self.hydro.dimensions());
+        let y = if hydro.formulation.sums_mass() {
+            local.rho
+        } else {
+            local.y
+        };
+        match &local.flow.linear {
+            Some([_, inverse]) => {
+                let scale = -y * reach.powi(d as i32 + 2) / hydro.kernel.norm(d);
+                gradients::correction(inverse, scale)
+            }
+            None => Matrix3::identity(),
+        }
+    }
+
+    /// Writes what particle i brings into pairs as a stress; returns its alpha, and adds to `v_sig` what shortens its steps.
     fn stress(
         &self,
         i: usize,
@@ -198,37 +233,13 @@ impl<'a> Out<'a> {
         (flow, rho, reach): (Flow, f64, f64),
         v_sig: &mut f64,
     ) -> f64 {
-        let (hydro, d) = (self.hydro, self.hydro.dimensions() as i32);
-        let (mut correction, mut gradient) = (Matrix3::identity(), Matrix3::zeros());
-        if let Some([v, inverse]) = local.flow.linear {
-            let y = if hydro.formulation.sums_mass() {
-                local.rho
-            } else {
-                local.y
-            };
-            let scale = -y * reach.powi(d + 2) / hydro.kernel.norm(hydro.dimensions());
-            correction = gradients::correction(&inverse, scale);
-            gradient = v * (self.velocity / self.length);
-        }
-        for a in (0..3).filter(|&a| !hydro.domain.axes[a]) {
-            gradient.row_mut(a).fill(0.0);
-            gradient.column_mut(a).fill(0.0);
-        }
-        self.write_matrix(&self.columns.correction, i, &correction);
+        let hydro = self.hydro;
         let mut alpha = self.alpha(i, local, flow, reach);
-        if !hydro.viscous_stress() {
-            return alpha;
-        }
-        let place = Place {
-            gradient,
-            rho,
-            cs: flow.cs,
-            h: flow.h,
-        };
-        let dt = f64::from(self.tick - self.seen.begin[i]) * self.unit;
-        let crossings = 0.5 * *v_sig * dt / (reach * self.length);
+        let place = self.place(local, (flow, rho));
         let mut stress = Matrix3::zeros();
-        if hydro.viscosity.is_stress() {
+        if hydro.viscosity.heeds_strain() {
+            let dt = f64::from(self.tick - self.seen.begin[i]) * self.unit;
+            let crossings = 0.5 * *v_sig * dt / (reach * self.length);
             (alpha, stress) = hydro.viscosity.stress(&place, alpha, decay(crossings));
         }
         let nu = (hydro.physical).nu(flow.cs, self.seen.x[i] - self.seen.centre);
@@ -236,7 +247,12 @@ impl<'a> Out<'a> {
             stress += physical::stress(&place, nu, hydro.domain.axes);
             *v_sig += 4.0 * nu / flow.h;
         }
-        self.write_matrix(&self.columns.stress, i, &stress);
+        if hydro.stressed() {
+            self.write_matrix(&self.columns.correction, i, &self.correction(local, reach));
+        }
+        if hydro.viscous_stress() {
+            self.write_matrix(&self.columns.stress, i, &stress);
+        }
         alpha
     }
 

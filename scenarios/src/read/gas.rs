@@ -381,7 +381,7 @@ pub fn name_of<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static 
 }
 
 /// Artificial viscosities by name, made from alpha and beta.
-const VISCOSITIES: [(&str, fn(f64, f64) -> Viscosity); 7] = [
+const VISCOSITIES: [(&str, fn(f64, f64) -> Viscosity); 8] = [
     ("none", |_, _| Viscosity::None),
     ("constant", |alpha, beta| Viscosity::Constant {
         alpha,
@@ -396,6 +396,10 @@ const VISCOSITIES: [(&str, fn(f64, f64) -> Viscosity); 7] = [
         Viscosity::NeumannRichtmyer { alpha, beta }
     }),
     ("tensor", |alpha, beta| Viscosity::Tensor { alpha, beta }),
+    ("planar-switch", |alpha, beta| Viscosity::PlanarSwitch {
+        alpha,
+        beta,
+    }),
     ("planar", |alpha, beta| Viscosity::Planar { alpha, beta }),
 ];
 
