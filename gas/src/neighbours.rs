@@ -141,7 +141,8 @@ impl<E: Real> Region<E> {
                 visited += node.count();
                 self.runs.push(Run {
                     node: leaf,
-                    offset: search.packed.middle(leaf as usize).x + shift - origin,
+                    offset: search.packed.middle(leaf as usize).x + frame.aligned::<E>(shift)
+                        - origin,
                     end: 0,
                 });
             }
