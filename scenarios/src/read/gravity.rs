@@ -1,6 +1,5 @@
 //! Who acts on whom: gravity and the coupling by drag.
 
-
 use super::Facts;
 use crate::reader::{Range, Section};
 use crate::scene::{
