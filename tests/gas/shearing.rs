@@ -4,8 +4,9 @@
 
 use std::f64::consts::TAU;
 
+use gas::{Eos, Gas, Hydro, Viscosity};
 use nbody::points::random::{Purpose, stream};
-use nbody::points::{Hill, Vec3};
+use nbody::points::{Clock, Columns, Domain, Hill, Vec3};
 use rand::RngExt;
 use tridisk::trial::Trial;
 
@@ -390,4 +391,47 @@ fn gas_in_the_xz_plane_is_gas_in_the_xy_plane_turned() {
         .fold(0.0, f64::max);
     println!("turned: {error:e}");
     assert!(error < 1e-9, "{error:e}");
+}
+
+#[test]
+fn far_from_the_faces_forces_are_those_of_open_space() {
+    let gas = |domain: Domain| {
+        let mut hydro = Hydro {
+            viscosity: Viscosity::Balsara {
+                alpha: 1.0,
+                beta: 2.0,
+            },
+            ..Hydro::new(domain, Eos::Ideal { gamma: 1.4 })
+        };
+        hydro.largest_h = 0.5;
+        let (mut any, mut p) = (any(), gas::Particles::default());
+        p.resize(400);
+        for i in 0..400 {
+            p.x[i] = Vec3::new(5.0 + any(), 5.0 + any(), 0.0);
+            p.v[i] = Vec3::new(any(), any(), 0.0) + Vec3::y() * -1.5 * (p.x[i].x - 5.0);
+            (p.m[i], p.u[i], p.id[i], p.h[i]) = (1.0 / 400.0, 0.2, i as u64, 0.1);
+        }
+        let mut gas = Gas::new(p);
+        let clock = Clock::standing(0.0);
+        gas.density(&hydro, &clock, Vec3::zeros()).expect("density");
+        gas.forces(&hydro, &clock, &clock);
+        gas
+    };
+    let axes = [true, true, false];
+    let open = gas(Domain::open().with_axes(axes));
+    let boxed = gas(Domain::shearing(Vec3::repeat(10.0), 1.0, 1.5).with_axes(axes));
+    let (mut error, mut size) = (0.0f64, 0.0f64);
+    for i in 0..open.len() {
+        assert_eq!(open.particles.id[i], boxed.particles.id[i]);
+        let (a, b) = (&open.derived, &boxed.derived);
+        error = error
+            .max((open.rates.hydro[i] - boxed.rates.hydro[i]).norm())
+            .max((open.rates.du[i] - boxed.rates.du[i]).abs())
+            .max((a.div_v[i] - b.div_v[i]).abs())
+            .max((a.curl_v[i] - b.curl_v[i]).abs())
+            .max((a.v_sig[i] - b.v_sig[i]).abs());
+        size = size.max(open.rates.hydro[i].norm());
+    }
+    println!("in the middle of the box: {error:e} of {size:e}");
+    assert!(error < 1e-12 * size, "{error:e} of {size:e}");
 }
