@@ -28,16 +28,6 @@ impl Frame<'_> {
         }
     }
 
-    /// A shift of the domain on the grid, where coordinates are: images across the shear stand anywhere.
-    #[inline(always)]
-    pub(super) fn aligned<E: Real>(&self, mut shift: Vec3) -> Vec3 {
-        if E::STEPS.is_finite() && self.domain.hill().is_some() {
-            let step = self.units.step.y;
-            shift.y = (shift.y / step).round() * step;
-        }
-        shift
-    }
-
     /// Calls `visit(node, shift)` for leaves whose box, moved by a shift of the domain, comes within max(`reach`, `extent[leaf]`) of the
     /// box [lo, hi], as [`Tree::near`] does.
     pub(super) fn near(

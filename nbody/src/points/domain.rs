@@ -126,6 +126,17 @@ impl Domain {
         v
     }
 
+    /// `margin` along the axes of the domain, without end along missing ones: distances there do not count.
+    pub fn widened(&self, margin: f64) -> Vec3 {
+        Vec3::from_fn(|axis, _| {
+            if self.axes[axis] {
+                margin
+            } else {
+                f64::INFINITY
+            }
+        })
+    }
+
     /// Period along `axis`; zero where the domain does not repeat.
     pub fn period(&self, axis: usize) -> f64 {
         match self.size() {
