@@ -21,7 +21,7 @@ mod touched;
 
 use gas::Gas;
 use gas::probe::Reach;
-use nbody::points::{Domain, Vec3};
+use nbody::points::{Clock, Domain, Vec3};
 use rayon::prelude::*;
 
 pub use booking::{Booking, Change};
@@ -78,6 +78,8 @@ pub struct Exchange {
     blocks: Vec<Block>,
     used: usize,
     touched: Touched,
+    /// The domain as it was prepared for.
+    domain: Domain,
 }
 
 impl Exchange {
@@ -92,6 +94,7 @@ impl Exchange {
             blocks: Vec::new(),
             used: 0,
             touched: Touched::default(),
+            domain: Domain::open(),
         }
     }
 
@@ -105,6 +108,7 @@ impl Exchange {
         active: &[u32],
         domain: &Domain,
     ) {
+        self.domain = *domain;
         self.active.clear();
         self.active.extend_from_slice(active);
         self.used = active.len().div_ceil(BLOCK);
@@ -138,13 +142,13 @@ impl Exchange {
             .for_each(|block| block.gather_load(touched));
     }
 
-    /// Drag over the half steps `steps` of the active particles, as they were given to [`Exchange::prepare`].
+    /// Drag over the half steps `steps` of the active particles, as they were given to [`Exchange::prepare`], at the tick of `clock`.
     pub fn exchange<I: Immersed>(
         &mut self,
         gas: &mut Gas,
         immersed: &mut I,
         steps: &[f64],
-        half: Half,
+        (half, clock): (Half, &Clock),
     ) -> Booking {
         assert_eq!(
             steps.len(),
@@ -152,12 +156,13 @@ impl Exchange {
             "a half step for each prepared particle"
         );
         let blocks = &mut self.blocks[..self.used];
-        let (settings, seen, see) = (&self.settings, &*immersed, &*gas);
+        let (settings, domain) = (&self.settings, &self.domain);
+        let (seen, see) = (&*immersed, &*gas);
         blocks
             .par_iter_mut()
             .zip(self.active.par_chunks(BLOCK).zip(steps.par_chunks(BLOCK)))
             .for_each(|(block, (members, steps))| {
-                block.relax(see, seen, (members, steps), half, settings);
+                block.relax(see, seen, (members, steps), half, (settings, domain));
             });
         if settings.feedback {
             blocks.par_iter_mut().for_each(Block::spread_impulse);
@@ -174,7 +179,8 @@ impl Exchange {
             block.push(immersed, members, &mut booking);
         }
         if settings.feedback {
-            self.touched.push(gas, settings.heat_share, &mut booking);
+            let domain = self.domain;
+            (self.touched).push(gas, settings.heat_share, (&domain, clock), &mut booking);
         } else {
             blocks
                 .iter()

@@ -8,6 +8,7 @@
 pub mod central;
 pub mod disk;
 pub mod drag;
+pub mod local;
 pub mod migration;
 pub mod type_one;
 
@@ -18,6 +19,7 @@ use rayon::prelude::*;
 pub use central::{Central, Oblateness, Relativity};
 pub use disk::{GasDisk, Rotation};
 pub use drag::DiskDrag;
+pub use local::Local;
 pub use migration::Migration;
 pub use type_one::TypeOne;
 

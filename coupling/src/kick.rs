@@ -22,7 +22,7 @@ pub use reaction::Reaction;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps {
     pub longest: f64,
-    /// Part of 1/Omega about the star.
+    /// Part of 1/Omega about the star, or of the frame.
     pub orbit: f64,
 }
 
@@ -35,7 +35,10 @@ impl Steps {
                 gm: system.g * system.star.m[0],
                 orbit: self.orbit,
             },
-            None => Pacing::free(self.longest),
+            None => {
+                let rate = system.domain.hill().map_or(0.0, |hill| hill.rate);
+                Pacing::free(self.longest.min(self.orbit / rate))
+            }
         }
     }
 }

@@ -213,7 +213,7 @@ pub struct Ledger {
     pub accreted: [f64; 3],
     /// Kinetic and potential energy that accretion and collisions turned into heat and rotation, which nobody follows.
     pub dissipated: f64,
-    /// Momentum and angular momentum that drag took out of the system because feedback is off.
+    /// Momentum and angular momentum that drag took out of the system because feedback is off, and momentum that the frame took.
     pub given_away: Totals,
     /// How often a floor on the internal energy was used.
     pub floors: u64,
@@ -246,12 +246,20 @@ impl Ledger {
     pub fn take(&mut self, heat: gas::Heat) {
         self.radiated += heat.radiated - heat.floored;
         self.floors += heat.floors as u64;
+        self.receive(heat.frame);
+    }
+
+    /// Books momentum that the frame of a shearing box gave: Coriolis force, tide, what pulls in it, and the change of velocity across faces.
+    pub fn receive(&mut self, momentum: Vec3) {
+        self.given_away.momentum -= momentum;
     }
 
     /// Opens the books on the system as it stands.
     pub fn open(&mut self, system: Census, potential: f64) {
         // Heat that brought the gas to its prescribed temperature came before the start.
         self.radiated = 0.0;
+        // And so did momentum that crossing faces gave to what was placed outside of them.
+        self.given_away = Totals::default();
         self.initial = system;
         self.initial_potential = potential;
         self.last = Some(system);
@@ -328,7 +336,11 @@ impl Ledger {
             } else {
                 f64::NAN
             },
-            error_energy: relative(energy - energy_start, energy_scale),
+            error_energy: if domain.hill().is_none() {
+                relative(energy - energy_start, energy_scale)
+            } else {
+                f64::NAN
+            },
         }
     }
 }

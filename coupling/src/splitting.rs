@@ -44,9 +44,10 @@ impl Splitting {
             system.clock
         };
         meter.enter(Phase::Tree);
+        system.domain = system.domain.at(system.clock.time());
         let (domain, clock) = (system.domain, system.clock);
-        system.gas.refit(&domain, &clock);
-        system.dust.refit(&domain, &clock);
+        let crossed = system.gas.refit(&domain, &clock) + system.dust.refit(&domain, &clock);
+        system.ledger.receive(crossed);
         meter.count(0, 0);
         for operator in &mut self.operators {
             operator.prepare(system, meter)?;

@@ -5,7 +5,7 @@
 //! apart by drag alone.
 
 use nbody::points::clock::{Centre, Pacing};
-use nbody::points::{Clock, Domain, Fault, Population, clock};
+use nbody::points::{Clock, Domain, Fault, Population, Vec3, clock};
 use rayon::prelude::*;
 
 use crate::Dust;
@@ -60,35 +60,51 @@ impl Dust {
         }
     }
 
-    /// The kick that closes the steps that end now; `centre` is the star, if it pulls the dust.
-    pub fn close(&mut self, now: &Clock, centre: &Centre) {
-        let p = &mut self.particles;
+    /// The kick that closes the steps that end now; `centre` is the star, if it pulls the dust. Returns the momentum that the frame of a
+    /// shearing box gave, and what pulls in it.
+    pub fn close(&mut self, now: &Clock, centre: &Centre, domain: &Domain) -> Vec3 {
+        let (p, mut gained) = (&mut self.particles, Vec3::zeros());
         for i in 0..p.x.len() {
             if now.synchronous() || p.end[i] == now.tick {
                 let dt = f64::from(p.span[i]) * now.unit();
                 let pull = self.rates.gravity[i] + centre.lacking(p.x[i], dt);
+                let before = p.v[i];
+                if let Some(hill) = domain.hill() {
+                    p.v[i] = hill.seen(p.x[i], before, now.phase(p.begin[i], p.span[i]));
+                }
                 p.v[i] += pull * (clock::closing(now.tick, p.begin[i], p.span[i]) * now.unit());
                 self.rates.v_pred[i] = p.v[i];
+                if domain.hill().is_some() {
+                    gained += p.m[i] * (p.v[i] - before);
+                }
             }
         }
+        gained
     }
 
     /// The kick that opens the steps that begin now; `centre` as in [`Dust::close`].
-    pub fn open(&mut self, now: &Clock, next: &Clock, centre: &Centre) {
-        let p = &mut self.particles;
+    pub fn open(&mut self, now: &Clock, next: &Clock, centre: &Centre, domain: &Domain) -> Vec3 {
+        let (p, mut gained) = (&mut self.particles, Vec3::zeros());
         for i in 0..p.x.len() {
             if now.synchronous() || p.end[i] == now.tick {
                 let span = self.rates.next_span[i];
                 let dt = f64::from(span) * next.unit();
                 let pull = self.rates.gravity[i] + centre.lacking(p.x[i], dt);
+                let before = p.v[i];
                 p.v[i] += pull * (clock::opening(span) * next.unit());
+                if let Some(hill) = domain.hill() {
+                    p.v[i] = hill.opened(p.x[i], p.v[i], dt);
+                    gained += p.m[i] * (p.v[i] - before);
+                }
                 (p.begin[i], p.span[i], p.end[i]) = (next.tick, span, next.tick + span);
             }
         }
+        gained
     }
 
-    /// Moves everybody over `dt`.
+    /// Moves everybody over `dt`; out of a shearing box until [`Dust::refit`] brings them back.
     pub fn drift(&mut self, dt: f64, domain: &Domain) {
+        let frame = domain.hill().map(|hill| (hill, hill.turn(dt)));
         let v = &self.particles.v;
         let gravity = &self.rates.gravity;
         self.particles
@@ -98,8 +114,13 @@ impl Dust {
             .enumerate()
             .with_min_len(nbody::points::sum::CHUNK)
             .for_each(|(i, (x, v_pred))| {
+                let relative = domain.relative(*x, *v_pred);
                 *x += domain.in_plane(v[i]) * dt;
-                domain.wrap(x);
+                if let Some((hill, turn)) = frame {
+                    *v_pred = turn.of(relative) + Vec3::y() * hill.stream(*x);
+                } else {
+                    domain.wrap(x);
+                }
                 *v_pred += gravity[i] * dt;
             });
     }
@@ -107,7 +128,7 @@ impl Dust {
 
 #[cfg(test)]
 mod tests {
-    use nbody::points::{Columns, Vec3};
+    use nbody::points::Columns;
 
     use super::*;
     use crate::Superparticles;
@@ -136,7 +157,7 @@ mod tests {
             dust.rates.gravity[0] = -x / x.norm().powi(3);
             see(x);
             if now.synchronous() && now.end >= period {
-                dust.close(&now, &centre);
+                dust.close(&now, &centre, &Domain::open());
                 return x;
             }
             let next = if now.synchronous() {
@@ -145,8 +166,8 @@ mod tests {
                 now
             };
             dust.steps(&pacing, 0.25, &now, &next).expect("a step");
-            dust.close(&now, &centre);
-            dust.open(&now, &next, &centre);
+            dust.close(&now, &centre, &Domain::open());
+            dust.open(&now, &next, &centre, &Domain::open());
             now = next;
             let tick = dust.particles.end[0];
             dust.drift(f64::from(tick - now.tick) * now.unit(), &Domain::open());

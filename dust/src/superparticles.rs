@@ -2,7 +2,7 @@
 
 use nbody::columns;
 use nbody::points::sort::{Cube, Curve};
-use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree};
+use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree, Vec3};
 
 columns! {
     /// State of the superparticles, code units.
@@ -104,15 +104,24 @@ impl Dust {
     }
 
     /// Brings the tree up to date with positions that moved; at the ends of base steps that means to sort anew.
-    pub fn refit(&mut self, domain: &Domain, clock: &Clock) {
+    /// Returns the momentum that crossing the faces of a shearing box gave.
+    pub fn refit(&mut self, domain: &Domain, clock: &Clock) -> Vec3 {
+        let mut gained = Vec3::zeros();
         if clock.synchronous() {
-            for x in &mut self.particles.x {
-                domain.wrap(x);
+            let (p, v_pred) = (&mut self.particles, &mut self.rates.v_pred);
+            for i in 0..p.x.len() {
+                let change = domain.wrap(&mut p.x[i]);
+                if change != Vec3::zeros() {
+                    p.v[i] += change;
+                    v_pred[i] += change;
+                    gained += p.m[i] * change;
+                }
             }
             self.sort();
         } else {
             self.tree.refit(&self.particles.x);
         }
+        gained
     }
 
     /// Dust as it was saved; the next end of a base step sorts it.

@@ -26,6 +26,7 @@ pub fn advance(
 ) -> Result<Account, Fault> {
     let mut account = Account::default();
     let mut clock = Clock::standing(time);
+    let hydro = &mut hydro.at(time);
     gas.density(hydro, &clock, Vec3::zeros())?;
     gas.rates.next_span.fill(0);
     gas.forces(hydro, &clock, &clock);
@@ -36,6 +37,7 @@ pub fn advance(
             true => clock.next_base(until, base),
             false => clock,
         };
+        *hydro = hydro.at(clock.time());
         let updates = gas.density(hydro, &clock, Vec3::zeros())?;
         gas.steps(hydro, &clock, &next, &Pacing::free(f64::INFINITY))?;
         let targets = gas.forces(hydro, &clock, &next);
@@ -55,6 +57,6 @@ pub fn advance(
         clock = next;
         let tick = gas.next_tick().min(clock::TICKS);
         clock.tick = tick;
-        gas.refit(&hydro.domain, &clock);
+        account.heat.frame += gas.refit(&hydro.domain.at(clock.time()), &clock);
     }
 }

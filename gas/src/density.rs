@@ -155,7 +155,8 @@ impl Gas {
         let (particles, derived) = (&mut self.particles, &mut self.derived);
         let (h, m, v) = (&particles.h, &particles.m, &self.rates.v_pred);
         let near = &self.vicinity.near;
-        let units = Units::new(hydro, (&self.tree, near), h, m, v, &derived.cs);
+        let relative = |i: usize| hydro.domain.relative(particles.x[i], v[i]);
+        let units = Units::new(hydro, (&self.tree, near), h, m, relative, &derived.cs);
         let frame = Frame {
             tree: &self.tree,
             domain: &hydro.domain,

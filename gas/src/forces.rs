@@ -61,7 +61,8 @@ impl Gas {
         let own = |i: usize| if active(i) { support * h[i] } else { -1.0 };
         (self.tree).largest_of(leaves, own, &mut self.active_extent);
         self.wake.resize(m.len(), NEVER);
-        let units = Units::new(hydro, (&self.tree, near), h, m, &rates.v_pred, &derived.cs);
+        let relative = |i: usize| hydro.domain.relative(particles.x[i], rates.v_pred[i]);
+        let units = Units::new(hydro, (&self.tree, near), h, m, relative, &derived.cs);
         let frame = Frame {
             tree: &self.tree,
             domain: &hydro.domain,

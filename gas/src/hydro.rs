@@ -1,6 +1,6 @@
 //! The settings of the hydrodynamics, and the defaults that they have.
 
-use nbody::points::{Boundary, Domain};
+use nbody::points::Domain;
 
 use crate::kernel::unit_sphere;
 use crate::{Conduction, Eos, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
@@ -72,6 +72,14 @@ impl Hydro {
         }
     }
 
+    /// The same in the domain as it is at `time`.
+    pub fn at(self, time: f64) -> Self {
+        Self {
+            domain: self.domain.at(time),
+            ..self
+        }
+    }
+
     /// 2 or 3.
     pub fn dimensions(&self) -> usize {
         self.domain.dimensions()
@@ -132,11 +140,11 @@ impl Hydro {
     /// The largest kernel support of gas that fills a box of diagonal `extent`.
     pub(crate) fn largest_reach(&self, extent: f64) -> f64 {
         let set = self.support() * self.largest_h;
-        match self.domain.boundary {
-            Boundary::Periodic { size } => set.min(4.0 * size.max()),
-            Boundary::Open if set.is_finite() => set,
-            Boundary::Open if extent > 0.0 => 2.0 * extent,
-            Boundary::Open => 1.0,
+        match self.domain.size() {
+            Some(size) => set.min(4.0 * size.max()),
+            None if set.is_finite() => set,
+            None if extent > 0.0 => 2.0 * extent,
+            None => 1.0,
         }
     }
 }

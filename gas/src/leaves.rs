@@ -159,11 +159,17 @@ impl<'a> Drift<'a> {
             )
         };
         let d = self.domain.dimensions() as i32;
+        let frame = self.domain.hill().map(|hill| (hill, hill.turn(dt)));
         leaf.lo = Vec3::repeat(f64::INFINITY);
         leaf.hi = -leaf.lo;
         leaf.h = 0.0;
         for (k, i) in range.enumerate() {
+            let relative = self.domain.relative(x[k], v_pred[k]);
             x[k] += dt * self.domain.in_plane(self.v[i]);
+            v_pred[k] = match frame {
+                None => relative,
+                Some((hill, turn)) => turn.of(relative) + Vec3::y() * hill.stream(x[k]),
+            };
             v_pred[k] += dt * (self.hydro[i] + self.pulls.of(i));
             let stretch = (self.div_v[i] * dt / f64::from(d)).exp();
             h[k] *= stretch;
@@ -220,7 +226,7 @@ impl Gas {
 
     /// Moves all gas to the tick of `clock`, and predicts what is seen of it.
     ///
-    /// Positions leave the box of a periodic domain until [`Gas::refit`] brings them back.
+    /// Positions leave the box of a closed domain until [`Gas::refit`] brings them back.
     pub fn arrive(&mut self, domain: &Domain, clock: &Clock) {
         let all = std::mem::take(&mut self.tree.leaves);
         self.arrive_in(&all, domain, clock);

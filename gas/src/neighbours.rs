@@ -42,7 +42,7 @@ impl Around {
         let node = &frame.tree.nodes[branch];
         let leaves = &mut self.leaves;
         // A hair more, for what rounding moves.
-        let slack = Vec3::repeat(1e-6 * frame.units.length);
+        let slack = frame.domain.widened(1e-6 * frame.units.length);
         frame.near(
             (node.lo - slack, node.hi + slack),
             reach,
@@ -125,11 +125,11 @@ impl<E: Real> Region<E> {
         let Search { frame, leaf, .. } = *search;
         let unit = frame.units.length;
         let origin = search.packed.middle(leaf).x;
-        let slack = Self::margin(unit);
+        let slack = frame.domain.widened(Self::margin(unit));
         let (mut lo, mut hi) = (origin, origin);
         for a in 0..3 {
-            lo[a] += unit * search.span[0][a].to_f64() - slack;
-            hi[a] += unit * search.span[1][a].to_f64() + slack;
+            lo[a] += unit * search.span[0][a].to_f64() - slack[a];
+            hi[a] += unit * search.span[1][a].to_f64() + slack[a];
         }
         let (reach, mut visited) = (unit * search.reach, 0);
         self.runs.clear();

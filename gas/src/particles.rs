@@ -220,7 +220,8 @@ impl Gas {
 
     /// Brings the tree to the tick of `clock`: its boxes hold what has moved there and what may have. At the ends of base steps, and when the
     /// growth of leaves has cost as much as sorting, that means to move everything, to bring positions back into the box and to sort anew.
-    pub fn refit(&mut self, domain: &Domain, clock: &Clock) {
+    /// Returns the momentum that crossing the faces of a shearing box gave.
+    pub fn refit(&mut self, domain: &Domain, clock: &Clock) -> Vec3 {
         for &leaf in &self.tree.leaves {
             let node = &mut self.tree.nodes[leaf as usize];
             (node.lo, node.hi) = self.leaves[leaf as usize].span(clock);
@@ -228,13 +229,30 @@ impl Gas {
         self.tree.enclose();
         if clock.synchronous() || self.waste > SORT * self.len() as f64 {
             self.arrive(domain, clock);
-            self.particles
-                .x
-                .par_iter_mut()
-                .with_min_len(CHUNK)
-                .for_each(|x| domain.wrap(x));
+            let gained = self.wrap(domain);
             self.sort();
+            return gained;
         }
+        Vec3::zeros()
+    }
+
+    /// Brings positions back into the box.
+    fn wrap(&mut self, domain: &Domain) -> Vec3 {
+        let (p, v_pred) = (&mut self.particles, &mut self.rates.v_pred);
+        if domain.hill().is_none() {
+            p.x.par_iter_mut().with_min_len(CHUNK).for_each(|x| {
+                domain.wrap(x);
+            });
+            return Vec3::zeros();
+        }
+        let mut gained = Vec3::zeros();
+        for i in 0..p.x.len() {
+            let change = domain.wrap(&mut p.x[i]);
+            p.v[i] += change;
+            v_pred[i] += change;
+            gained += p.m[i] * change;
+        }
+        gained
     }
 
     /// Removes the particles whose flag is false, of gas that has arrived, and builds the tree anew; the others keep their order.

@@ -31,7 +31,7 @@ pub struct Sample {
     pub rho: f64,
     /// velocity predicted to now
     pub v: Vec3,
-    /// acceleration by everything but drag
+    /// acceleration by everything but drag and the frame
     pub a: Vec3,
     /// isothermal sound speed
     pub c: f64,
@@ -58,9 +58,13 @@ impl Probe {
     ) -> Sample {
         let weights = &mut self.weights;
         weights.find(&mut self.candidates, gas, domain, (x, guess), reach);
+        // Neighbours may be images: relative to the shear these have the same velocity.
+        let relative = |j: usize| domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
+        let v = weights.vector(relative);
+        let stream = domain.hill().map_or(0.0, |hill| hill.stream(x));
         Sample {
             rho: weights.rho,
-            v: weights.vector(|j| gas.rates.v_pred[j]),
+            v: Vec3::new(v.x, v.y + stream, v.z),
             a: weights.vector(|j| gas.acceleration(j)),
             c: weights.positive(|j| isothermal(gas, j)).sqrt(),
             h: weights.h,

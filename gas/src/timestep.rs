@@ -9,7 +9,7 @@
 
 use nbody::points::clock::Pacing;
 use nbody::points::sum::{self, Parts};
-use nbody::points::{Clock, Fault, Population, clock};
+use nbody::points::{Clock, Fault, Population, Vec3, clock};
 
 use crate::leaves::UNSEEN;
 use crate::{Gas, Hydro};
@@ -19,7 +19,7 @@ mod kicks;
 /// The least part of its internal energy that a kick leaves to a particle.
 const LEAST_PART: f64 = 0.1;
 
-/// Energy that left or entered the gas other than by its forces; code units of energy.
+/// Energy that left or entered the gas other than by its forces, code units of energy; and momentum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Heat {
     /// Taken away from gas that is bound to a temperature.
@@ -28,6 +28,8 @@ pub struct Heat {
     pub floored: f64,
     /// How often that was needed.
     pub floors: usize,
+    /// Momentum that the frame of a shearing box gave, and what pulls in it.
+    pub frame: Vec3,
 }
 
 impl Heat {
@@ -37,6 +39,7 @@ impl Heat {
             radiated: self.radiated + other.radiated,
             floored: self.floored + other.floored,
             floors: self.floors + other.floors,
+            frame: self.frame + other.frame,
         }
     }
 }

@@ -24,6 +24,8 @@ pub struct Units {
     pub step: Vec3,
     /// Step of velocities.
     pub velocity_step: f64,
+    /// -dv_y/dx of the shear that velocities are relative to, units of velocity by units of length.
+    pub shear: f64,
 }
 
 /// What the units follow from.
@@ -62,13 +64,14 @@ impl std::ops::Add for Sizes {
 }
 
 impl Units {
-    /// Units for the particles of some leaves: of smoothing lengths `h` (zero if not known), masses `m`, velocities `v`, sound speeds `cs`.
+    /// Units for the particles of some leaves: of smoothing lengths `h` (zero if not known), masses `m`, velocities `v` (relative to the shear,
+    /// if there is one), sound speeds `cs`.
     pub fn new(
         hydro: &Hydro,
         (tree, leaves): (&Tree, &[u32]),
         h: &[f64],
         m: &[f64],
-        v: &[Vec3],
+        v: impl Fn(usize) -> Vec3 + Sync,
         cs: &[f64],
     ) -> Self {
         let one = |i: usize| Sizes {
@@ -76,7 +79,7 @@ impl Units {
             h: h[i],
             least_h: if h[i] > 0.0 { h[i] } else { f64::INFINITY },
             m: m[i],
-            speed: v[i].amax(),
+            speed: v(i).amax(),
             cs: cs[i],
         };
         let sizes = sum::ordered(leaves.len(), NONE, |range| {
@@ -102,12 +105,15 @@ impl Units {
         } else {
             length
         };
+        let across = hydro.domain.shear_rate() * length;
+        let velocity = power_of_two(sizes.speed.max(sizes.cs).max(across));
         Self {
             length,
-            velocity: power_of_two(sizes.speed.max(sizes.cs)),
+            velocity,
             mass: power_of_two(sizes.m / n as f64),
             step: grid(&hydro.domain, power_of_two(least_h / FINENESS)),
             velocity_step: power_of_two(sizes.speed) * (2.0 / SPEEDS),
+            shear: across / velocity,
         }
     }
 }

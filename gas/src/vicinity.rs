@@ -150,7 +150,11 @@ impl Gas {
         }
         leaves.par_iter().with_min_len(FEW).for_each(|&leaf| {
             let node = &tree.nodes[leaf as usize];
-            let (span, own) = ((node.lo, node.hi), MARGIN * reach[leaf as usize]);
+            let wide = hydro.domain.widened(0.0);
+            let (span, own) = (
+                (node.lo - wide, node.hi + wide),
+                MARGIN * reach[leaf as usize],
+            );
             tree.visit(&hydro.domain, span, own, reach, |near, _| {
                 marks[near].store(true, Ordering::Relaxed);
             });

@@ -6,6 +6,7 @@ pub mod clock;
 pub mod columns;
 pub mod domain;
 pub mod fault;
+pub mod hill;
 mod level;
 pub mod random;
 pub mod sort;
@@ -16,6 +17,7 @@ pub use clock::Clock;
 pub use columns::{ColumnMut, ColumnRef, Columns, Dimension, Keep, Label, Scratch};
 pub use domain::{Boundary, Domain};
 pub use fault::{Fault, Population};
+pub use hill::Hill;
 pub use tree::{Node, Tree};
 
 /// A vector in space, code units of its quantity.

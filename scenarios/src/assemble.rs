@@ -8,7 +8,8 @@ use coupling::drift::{
     Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
 };
 use coupling::external::{
-    Central, DiskDrag, External, GasDisk, Migration, Oblateness, Relativity, Rotation, TypeOne,
+    Central, DiskDrag, External, GasDisk, Local, Migration, Oblateness, Relativity, Rotation,
+    TypeOne,
 };
 use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
@@ -89,9 +90,12 @@ fn stride(scene: &Scene, integrator: Integrator, step: f64) -> f64 {
 /// Steps of bodies after which the program looks for signals and checkpoints.
 const MOST_STEPS: f64 = 65536.0;
 
-/// The step that the middle one of all fluid particles wants by its orbit about the star: longer base steps would only let the order of
+/// The step that the middle one of all fluid particles wants by its orbit about the star, or with the frame: longer base steps would only let the order of
 /// particles in memory grow stale.
 fn typical_step(scene: &Scene, system: &System) -> f64 {
+    if let Some(hill) = scene.domain.hill() {
+        return scene.accuracy.orbit_step / hill.rate;
+    }
     let (Some(&centre), Some(&mass)) = (system.star.x.first(), system.star.m.first()) else {
         return f64::INFINITY;
     };
@@ -261,6 +265,7 @@ fn operators(
         always: false,
         observers: [false; 3],
     };
+    list.extend(local_forces(scene));
     if plan.tree.is_some() || bodies {
         let gravity = Gravity::new(plan.clone());
         drift.observers = gravity.observers();
@@ -350,6 +355,24 @@ fn operators(
         list.push(Box::new(Collisions::new(law, self_gravity(scene), found)));
     }
     list
+}
+
+/// What a shearing box takes over from its disk.
+fn local_forces(scene: &Scene) -> Option<Box<dyn Operator>> {
+    let (hill, local) = (scene.domain.hill()?, scene.local);
+    if local == scene::Local::default() {
+        return None;
+    }
+    let vertical = if local.vertical_gravity {
+        hill.rate
+    } else {
+        0.0
+    };
+    Some(Box::new(Local {
+        push: 2.0 * hill.rate * local.headwind,
+        square_frequency: vertical * vertical,
+        middle: scene.domain.size().map_or(0.0, |size| 0.5 * size.z),
+    }))
 }
 
 /// What acts on bodies by a formula.

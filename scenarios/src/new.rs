@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::reader::nearest;
 
 /// Name, what it is, text.
-const TEMPLATES: [(&str, &str, &str); 6] = [
+const TEMPLATES: [(&str, &str, &str); 7] = [
     (
         "disk",
         "gas, dust, planetesimals and a planet about a star",
@@ -22,6 +22,11 @@ const TEMPLATES: [(&str, &str, &str); 6] = [
         "dusty-box",
         "gas and dust in a periodic box, the classic test of drag",
         include_str!("new/dusty-box.toml"),
+    ),
+    (
+        "shearing-box",
+        "a patch of a disk that turns with its orbit, of gas and dust",
+        include_str!("new/shearing-box.toml"),
     ),
     (
         "shock-tube",

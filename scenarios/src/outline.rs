@@ -124,6 +124,19 @@ fn method(scene: &Scene) -> Option<String> {
 /// What acts by a formula, and on whom.
 fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
     let mut said = Vec::new();
+    if let Some(hill) = scene.domain.hill() {
+        said.push(format!(
+            "a shearing box: Coriolis force and tide at Omega = {}, q = {}",
+            hill.rate, hill.shear
+        ));
+        if scene.local.vertical_gravity {
+            said.push("  vertical gravity of the star".to_owned());
+        }
+        if scene.local.headwind != 0.0 {
+            let push = 2.0 * hill.rate * scene.local.headwind;
+            said.push(format!("  the disk's pressure gradient, {push} on the gas"));
+        }
+    }
     let given = &scene.surroundings;
     if given.speed_of_light.is_some() {
         said.push("relativity: the star's pericentre advance of first order, on bodies".to_owned());
@@ -179,7 +192,14 @@ fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
     let given = &scene.surroundings;
     let disk = given.disk;
     let lacks = [
-        (system.star.is_empty(), "a star"),
+        (
+            system.star.is_empty() && scene.domain.hill().is_none(),
+            "a star",
+        ),
+        (
+            scene.domain.hill().is_some() && !scene.local.vertical_gravity,
+            "vertical gravity",
+        ),
         (!gas, "gas"),
         (system.dust.is_empty(), "dust"),
         (system.bodies.is_empty(), "planetesimals and planets"),

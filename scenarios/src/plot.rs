@@ -63,7 +63,7 @@ fn of_snapshot(path: &Path, output: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Saves panels, `columns` side by side.
-fn save(
+pub(crate) fn save(
     panels: Vec<(Vec<Plot>, Layout)>,
     columns: usize,
     title: &str,

@@ -369,6 +369,14 @@ fn block(
     (x, mass, first)
 }
 
+/// Velocities of a block: in a shearing box relative to the shear.
+fn streaming(scene: &Scene, velocity: Vec3, x: &[Vec3], v: &mut [Vec3]) {
+    for (v, &x) in v.iter_mut().zip(x) {
+        let stream = scene.domain.hill().map_or(0.0, |hill| hill.stream(x));
+        *v = velocity + Vec3::y() * stream;
+    }
+}
+
 fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
     let mut all = Particles::default();
     let Some(gas) = &scene.gas else { return all };
@@ -386,7 +394,7 @@ fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
         let h = resolution(scene, gas)
             .smoothing_length(mass / b.block.density, scene.domain.dimensions());
         let mut made = initial::gas(x, vec![h; n], mass, first);
-        made.v.fill(b.block.velocity);
+        streaming(scene, b.block.velocity, &made.x, &mut made.v);
         made.u.fill(match b.thermal {
             scene::Thermal::Pressure(p) => p / ((hydro.eos.gamma() - 1.0) * b.block.density),
             scene::Thermal::InternalEnergy(u) => u,
@@ -445,7 +453,7 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
         let (x, mass, first) = block(scene, b, ids, Purpose::DustPositions);
         let n = x.len();
         let mut made = grains(n, mass * n as f64).block(x, first);
-        made.v.fill(b.velocity);
+        streaming(scene, b.velocity, &made.x, &mut made.v);
         append(&mut all, &made);
     }
     let first = ids.take(file.len());

@@ -96,6 +96,8 @@ pub struct Facts {
     /// Not a number without a good star.
     star_mass: f64,
     has_star: bool,
+    /// Whether there is an orbital frequency.
+    has_orbits: bool,
     has_file: bool,
     has_gas: bool,
     has_disk: bool,
@@ -129,7 +131,7 @@ impl Facts {
 
 fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
     let units = frame::units(&root, door);
-    let domain = frame::domain(&root);
+    let (domain, local) = frame::domain(&root);
     let star = frame::star(&root);
     let initial_file = frame::initial_file(&root, folder);
     let accuracy = frame::accuracy(&root);
@@ -139,6 +141,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         gravity: constant,
         star_mass: star.map_or(f64::NAN, |star| star.mass),
         has_star: root.has("star"),
+        has_orbits: root.has("star") || domain.hill().is_some(),
         has_file: initial_file.is_some(),
         has_gas: root.has("gas"),
         has_disk: root.section("gas").has("disk"),
@@ -157,6 +160,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         run,
         units,
         domain,
+        local,
         initial_file,
         star,
         gas,

@@ -20,6 +20,7 @@ pub struct Scene {
     pub run: Run,
     pub units: Units,
     pub domain: Domain,
+    pub local: Local,
     /// Particles of any population that the scene has, beside or instead of generators; an absolute path.
     pub initial_file: Option<PathBuf>,
     pub star: Option<Star>,
@@ -60,6 +61,15 @@ pub enum Snapshots {
 pub enum TimeStep {
     Auto,
     Fixed(f64),
+}
+
+/// What a shearing box takes over from the disk that it is cut from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Local {
+    /// Whether the star pulls towards the plane in the middle of the box.
+    pub vertical_gravity: bool,
+    /// How much slower than Kepler's gas without dust turns: it is pushed outwards by 2 Omega times this.
+    pub headwind: f64,
 }
 
 /// The star, at the origin and at rest at the start.

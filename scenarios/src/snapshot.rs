@@ -8,7 +8,7 @@ use std::path::Path;
 
 use gas::KernelKind;
 use hdf5::{File, Group as Folder, Location};
-use nbody::points::{Boundary, ColumnRef, Columns, Dimension, Keep, Label, Vec3};
+use nbody::points::{ColumnRef, Columns, Dimension, Keep, Label, Vec3};
 
 pub use self::read::{Contents, Particles, read};
 use crate::atomic::publish;
@@ -124,7 +124,7 @@ fn header(file: &File, scene: &Scene, time: f64, groups: &[Group<'_>]) -> Result
 }
 
 fn box_size(scene: &Scene, groups: &[Group<'_>]) -> Vec3 {
-    if let Boundary::Periodic { size } = scene.domain.boundary {
+    if let Some(size) = scene.domain.size() {
         return size;
     }
     let mut largest = 0.0f64;
@@ -154,7 +154,7 @@ fn circumstances(file: &File, scene: &Scene) -> Result<()> {
     write_number(&cosmology, "Redshift", 0.0)?;
     write_number(&cosmology, "Scale-factor", 1.0)?;
     let parameters = file.create_group("Parameters")?;
-    let periodic = matches!(scene.domain.boundary, Boundary::Periodic { .. });
+    let periodic = scene.domain.size().is_some();
     write_text(
         &parameters,
         "InitialConditions:periodic",

@@ -2,7 +2,7 @@
 //!
 //! A value that has already been refused stands here as not-a-number, which breaks no rule.
 
-use nbody::points::{Boundary, Vec3};
+use nbody::points::Vec3;
 
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
@@ -91,9 +91,16 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
             "there is nothing to model: give [gas], [dust], [planetesimals] or [[planet]]".into(),
         );
     }
-    if scene.star.is_some() && matches!(scene.domain.boundary, Boundary::Periodic { .. }) {
-        complaints.say("star", "cannot stand in a periodic domain");
+    if scene.star.is_some() && scene.domain.size().is_some() {
+        let sentence = match scene.domain.hill() {
+            Some(_) => {
+                "has no place in a shearing box, which turns about it: its mass is in domain.rate"
+            }
+            None => "cannot stand in a periodic domain",
+        };
+        complaints.say("star", sentence);
     }
+    bodies_in_a_shearing_box(scene, complaints);
     if let Some(star) = scene.star
         && let Some(disk) = scene.gas.as_ref().and_then(|gas| gas.disk)
         && star.accretion_radius > disk.inner_radius
@@ -102,6 +109,20 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
             "star.accretion_radius",
             "reaches beyond gas.disk.inner_radius: the star would swallow the inner disk at once",
         );
+    }
+}
+
+fn bodies_in_a_shearing_box(scene: &Scene, complaints: &Complaints<'_>) {
+    if scene.domain.hill().is_none() {
+        return;
+    }
+    for table in ["planetesimals", "planet"] {
+        if named(complaints.entries, table).is_some() {
+            complaints.say(
+                table,
+                "cannot be modelled in a shearing box, where only gas and dust are",
+            );
+        }
     }
 }
 
@@ -159,7 +180,7 @@ fn disk_rules(scene: &Scene, disk: &Disk, complaints: &Complaints<'_>) {
             "must be less than gas.disk.outer_radius",
         );
     }
-    if matches!(scene.domain.boundary, Boundary::Periodic { .. }) {
+    if scene.domain.size().is_some() {
         complaints.say("gas.disk", "needs an open domain");
     }
     if disk.aspect_ratio > 0.5 {
@@ -205,13 +226,20 @@ fn block_rules(scene: &Scene, block: &Block, path: &str, complaints: &Complaints
             "is wider than the box from lo to hi",
         );
     }
-    if let Boundary::Periodic { size } = scene.domain.boundary {
+    if let Some(size) = scene.domain.size() {
         let inside = |x: Vec3| axes(&|axis| x[axis] < 0.0 || x[axis] > size[axis]);
         for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
             if inside(corner) {
                 complaints.say(
                     &format!("{path}.{key}"),
-                    "lies outside the periodic box, which reaches from 0 to domain.size",
+                    match scene.domain.hill() {
+                        Some(_) => {
+                            "lies outside the shearing box, which reaches from 0 to domain.size"
+                        }
+                        None => {
+                            "lies outside the periodic box, which reaches from 0 to domain.size"
+                        }
+                    },
                 );
             }
         }
@@ -298,7 +326,7 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             "is more than the mass of a planetesimal: nothing could break",
         );
     }
-    if bodies.number > 0 && matches!(scene.domain.boundary, Boundary::Periodic { .. }) {
+    if bodies.number > 0 && scene.domain.size().is_some() && scene.domain.hill().is_none() {
         complaints.say(
             path,
             "cannot orbit in a periodic domain; give them by an initial.file",

@@ -5,6 +5,7 @@ pub mod gas;
 mod orbits;
 pub mod ring;
 mod secular;
+mod shearing_glass;
 mod steps;
 mod stirring;
 mod wide_disk;
@@ -104,7 +105,7 @@ pub struct Problem {
     rows: fn() -> Vec<Row>,
 }
 
-pub const PROBLEMS: [Problem; 11] = [
+pub const PROBLEMS: [Problem; 12] = [
     Problem {
         name: "sod",
         about: "shock tube of 57 600 particles in both precisions; about 1 minute",
@@ -119,6 +120,11 @@ pub const PROBLEMS: [Problem; 11] = [
         name: "evrard",
         about: "cold collapse of 14 328 particles in both precisions; about 2 minutes",
         rows: gas::evrard::rows,
+    },
+    Problem {
+        name: "shearing-glass",
+        about: "noise that shear makes of a lattice and of a glass of 1600 particles over 10 orbits, by scheme; about 2 minutes",
+        rows: shearing_glass::rows,
     },
     Problem {
         name: "wide-disk",

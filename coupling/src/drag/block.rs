@@ -242,13 +242,21 @@ impl Block {
         immersed: &I,
         (members, steps): (&[u32], &[f64]),
         half: Half,
-        settings: &Settings,
+        (settings, domain): (&Settings, &Domain),
     ) {
+        // Relative to a shear, since neighbours may be images.
+        let relative = |x: Vec3, v: Vec3| domain.relative(x, v);
+        let turning = |w: Vec3| {
+            domain
+                .hill()
+                .map_or_else(Vec3::zeros, |hill| hill.turning(w))
+        };
         self.field.clear();
         self.field.extend(self.gas.iter().map(|&j| {
-            let v = gas.rates.v_pred[j as usize];
+            let j = j as usize;
+            let v = relative(gas.particles.x[j], gas.rates.v_pred[j]);
             let a = if settings.joint {
-                gas.acceleration(j as usize)
+                gas.acceleration(j) + turning(v)
             } else {
                 Vec3::zeros()
             };
@@ -258,13 +266,15 @@ impl Block {
             let i = i as usize;
             let seen = self.seen(k, &self.field);
             let v_gas = vector(&seen, 0);
+            let x = immersed.position(i);
+            let v = relative(x, immersed.velocity(i));
             let a = match immersed.acceleration(i) {
-                Some(a) if settings.joint => a - vector(&seen, 4),
+                Some(a) if settings.joint => a + turning(v) - vector(&seen, 4),
                 _ => Vec3::zeros(),
             };
             let row = &mut self.rows[k];
-            (row.v_gas, row.x) = (v_gas, immersed.position(i));
-            row.u_tick = immersed.velocity(i) - v_gas;
+            (row.v_gas, row.x) = (v_gas, x);
+            row.u_tick = v - v_gas;
             row.relax(&settings.law, immersed, i, (step, half), a);
         }
     }

@@ -41,6 +41,8 @@ pub struct Booking {
     pub plain: usize,
     /// Particles without gas within reach.
     pub without_gas: usize,
+    /// Momentum that the frame of a shearing box made of impulses on gas in mid-step.
+    pub frame: Vec3,
 }
 
 impl AddAssign for Change {
@@ -61,5 +63,6 @@ impl AddAssign for Booking {
         self.rigid += other.rigid;
         self.plain += other.plain;
         self.without_gas += other.without_gas;
+        self.frame += other.frame;
     }
 }

@@ -28,6 +28,8 @@ pub struct Star {
     pub x: Vec3,
     /// G m; zero without a star
     pub gm: f64,
+    /// orbital frequency everywhere, in a frame that turns with an orbit; else zero
+    pub rate: f64,
 }
 
 impl Star {
@@ -35,7 +37,7 @@ impl Star {
         if self.gm > 0.0 {
             (self.gm / (x - self.x).norm().powi(3)).sqrt()
         } else {
-            0.0
+            self.rate
         }
     }
 }
@@ -85,11 +87,8 @@ impl Immersed for Grains<'_> {
     fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64) {
         self.dust.particles.v[i] += dv;
         self.dust.rates.v_pred[i] += dv;
-        let stokes = if self.star.gm > 0.0 {
-            t_stop * self.omega(i)
-        } else {
-            0.0
-        };
+        let omega = self.omega(i);
+        let stokes = if omega > 0.0 { t_stop * omega } else { 0.0 };
         let derived = &mut self.dust.derived;
         (derived.t_stop[i], derived.stokes[i], derived.rho_gas[i]) = (t_stop, stokes, rho_gas);
     }

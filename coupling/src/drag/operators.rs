@@ -24,10 +24,17 @@ fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Exchange {
 
 fn star(system: &System) -> Star {
     let at = system.seen.star_x.first().copied();
-    at.map_or_else(Star::default, |x| Star {
-        x,
-        gm: system.g * system.star.m[0],
-    })
+    at.map_or_else(
+        || Star {
+            rate: system.domain.hill().map_or(0.0, |hill| hill.rate),
+            ..Star::default()
+        },
+        |x| Star {
+            x,
+            gm: system.g * system.star.m[0],
+            rate: 0.0,
+        },
+    )
 }
 
 /// Limits the search for gas to where gas is.
@@ -39,6 +46,7 @@ fn limit(exchange: &mut Exchange, system: &System) {
 /// Books what an exchange did beyond moving momentum between populations.
 fn book(system: &mut System, booking: &Booking, feedback: bool) {
     system.ledger.radiated += booking.radiated;
+    system.ledger.receive(booking.frame);
     if !feedback {
         let lost = &mut system.ledger.given_away;
         lost.momentum += booking.gas.momentum;
@@ -73,9 +81,12 @@ impl DustDrag {
             dust: &mut system.dust,
             star,
         };
-        let booking = self
-            .exchange
-            .exchange(&mut system.gas, &mut grains, &self.steps, half);
+        let booking = self.exchange.exchange(
+            &mut system.gas,
+            &mut grains,
+            &self.steps,
+            (half, &system.clock),
+        );
         book(system, &booking, self.exchange.settings.feedback);
     }
 }
@@ -149,9 +160,12 @@ impl BodyDrag {
             h: &mut h,
             star,
         };
-        let booking = self
-            .exchange
-            .exchange(&mut system.gas, &mut bodies, &self.steps, half);
+        let booking = self.exchange.exchange(
+            &mut system.gas,
+            &mut bodies,
+            &self.steps,
+            (half, &system.clock),
+        );
         system.bodies.h = h;
         book(system, &booking, self.exchange.settings.feedback);
         system.look();

@@ -135,8 +135,12 @@ impl Box {
     fn half(&mut self, step: f64, half: Half) -> Booking {
         let steps = vec![step; self.active.len()];
         let mut grains = grains(&mut self.dust);
-        self.exchange
-            .exchange(&mut self.gas, &mut grains, &steps, half)
+        self.exchange.exchange(
+            &mut self.gas,
+            &mut grains,
+            &steps,
+            (half, &Clock::standing(0.0)),
+        )
     }
 
     /// An opening and a closing half, each with its kick; kick and drag in the order of a symmetric step.
@@ -553,7 +557,12 @@ fn a_body_slows_quadratically() {
     for _ in 0..10 {
         exchange.prepare(&gas, &mut immersed, &[0], &domain);
         for half in [Half::Closing, Half::Opening] {
-            exchange.exchange(&mut gas, &mut immersed, &[0.05], half);
+            exchange.exchange(
+                &mut gas,
+                &mut immersed,
+                &[0.05],
+                (half, &Clock::standing(0.0)),
+            );
         }
     }
     let error = (bodies.v[0].y - 2.0 / (1.0 + 0.4 * 2.0)).abs();

@@ -1,6 +1,7 @@
 //! Touched gas: the gas particles that have pairs, and the sums over the blocks that they are in.
 
 use gas::Gas;
+use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
@@ -80,7 +81,13 @@ impl Touched {
     }
 
     /// Gives the gas its change of velocity and its heat.
-    pub fn push(&self, gas: &mut Gas, heat_share: f64, booking: &mut Booking) {
+    pub fn push(
+        &self,
+        gas: &mut Gas,
+        heat_share: f64,
+        (domain, clock): (&Domain, &Clock),
+        booking: &mut Booking,
+    ) {
         let (particles, rates) = (&mut gas.particles, &mut gas.rates);
         for (&j, &[x, y, z, heat]) in self.gas.iter().zip(&self.sums) {
             let (j, dv) = (j as usize, Vec3::new(x, y, z));
@@ -90,7 +97,15 @@ impl Touched {
             booking.gas.add((particles.x[j], rates.v_pred[j]), m, dv);
             booking.heat += m * heat_share * heat;
             booking.radiated += m * (1.0 - heat_share) * heat;
-            particles.v[j] += dv;
+            let change = match domain.hill() {
+                // Between its ticks gas keeps the mean velocity of its step.
+                Some(hill) if !(clock.synchronous() || particles.end[j] == clock.tick) => {
+                    hill.pushed(dv, clock.phase(particles.begin[j], particles.span[j]))
+                }
+                _ => dv,
+            };
+            booking.frame += m * (change - dv);
+            particles.v[j] += change;
             rates.v_pred[j] += dv;
             particles.u[j] += heat_share * heat;
             rates.u_pred[j] += heat_share * heat;

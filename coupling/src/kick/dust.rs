@@ -73,7 +73,8 @@ impl Operator for KickDust {
             Weight::closing(s, s.dust.particles.begin[i], s.dust.particles.span[i])
         });
         let centre = self.reaction.centre(system);
-        system.dust.close(&system.clock, &centre);
+        let gained = system.dust.close(&system.clock, &centre, &system.domain);
+        system.ledger.receive(gained);
         Ok(true)
     }
 
@@ -81,7 +82,9 @@ impl Operator for KickDust {
         meter.enter(Phase::Dust);
         self.react(system, |s, i| Weight::opening(s, s.dust.rates.next_span[i]));
         let centre = self.reaction.centre(system);
-        system.dust.open(&system.clock, &system.next, &centre);
+        let (clock, next) = (&system.clock, &system.next);
+        let gained = system.dust.open(clock, next, &centre, &system.domain);
+        system.ledger.receive(gained);
         Ok(true)
     }
 }

@@ -32,6 +32,7 @@ impl Operator for Density {
             .first()
             .copied()
             .unwrap_or_else(Vec3::zeros);
+        self.hydro.domain = system.domain;
         let targets = system.gas.density(&self.hydro, &system.clock, centre)?;
         meter.count(targets, 0);
         Ok(())
@@ -100,6 +101,7 @@ impl Operator for KickGas {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Hydro);
+        self.hydro.domain = system.domain;
         if system.clock.step == 0 {
             // The first step's choice of a step needs accelerations; the weights of closing are still zero.
             system.gas.forces(&self.hydro, &system.clock, &system.clock);

@@ -25,7 +25,8 @@ impl Pack<'_> {
         // Without a switch that remembers them, there are no traces.
         let trace = p.trace_v.get(i).copied().unwrap_or(0.0);
         let sign = if trace == 0.0 { 0.0 } else { trace.signum() };
-        let v = self.v[i].map(|v| E::place(v / units.velocity_step));
+        let v = self.hydro.domain.relative(p.x[i], self.v[i]);
+        let v = v.map(|v| E::place(v / units.velocity_step));
         // Before the first step there is none that could limit others.
         let span = match p.span[i] {
             0 => f64::INFINITY,

@@ -49,6 +49,8 @@ pub struct Own<E> {
     pub reach: f64,
     /// Units of velocity a step of velocity.
     pub velocity_step: f64,
+    /// -dv_y/dx of the shear that velocities are relative to.
+    pub shear: f64,
 }
 
 impl<S: Simd, E: Real> Sums<S, E> {
@@ -86,7 +88,10 @@ impl<S: Simd, E: Real> Sums<S, E> {
         let step = same::<S, E>(simd, own.velocity_step);
         let dv = [
             E::apart(simd, v_x, v[0]) * step,
-            E::apart(simd, v_y, v[1]) * step,
+            d[0].mul_add(
+                same::<S, E>(simd, -own.shear),
+                E::apart(simd, v_y, v[1]) * step,
+            ),
             E::apart(simd, v_z, v[2]) * step,
         ];
         let (zero, one) = (same::<S, E>(simd, 0.0), same::<S, E>(simd, 1.0));

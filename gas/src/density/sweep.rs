@@ -314,6 +314,7 @@ impl<E: Element> Sweep<'_, E> {
             m: self.m[i] / units.mass,
             reach,
             velocity_step: units.velocity_step / units.velocity,
+            shear: units.shear,
         };
         let mut sums = Sums::new(simd);
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {

@@ -113,7 +113,8 @@ impl Pack<'_> {
         };
         let x = (d * 0.5f64.powi(coarser)).component_div(&units.step);
         let x = x.map(E::place);
-        let v = self.v[i].map(|v| E::place(v / units.velocity_step));
+        let v = self.hydro.domain.relative(p.x[i], self.v[i]);
+        let v = v.map(|v| E::place(v / units.velocity_step));
         let active = self.clock.synchronous() || p.end[i] == self.clock.tick;
         let ticks = |n: u32| real(f64::from(n));
         (

@@ -4,6 +4,7 @@
 
 use fearless_simd::{Simd, SimdBase, SimdFloat};
 
+use super::sweep::Grid;
 use crate::conduction::Contrast;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
 use crate::{Formulation, Hydro, KernelKind};
@@ -110,23 +111,19 @@ pub struct Separation<S: Simd, E: Real> {
 }
 
 impl<S: Simd, E: Real> Separation<S, E> {
-    /// Of neighbours with these columns from the particle with this row; `length` and `velocity` are the steps of the grid.
+    /// Of neighbours with these columns from the particle with this row.
     #[inline(always)]
-    pub fn new(
-        simd: S,
-        row: &[Quad<E>; MORE],
-        columns: &Columns<S, E>,
-        length: [E; 3],
-        velocity: E,
-    ) -> Self {
-        let velocity = Lanes::<S, E>::splat(simd, velocity);
+    pub fn new(simd: S, row: &[Quad<E>; MORE], columns: &Columns<S, E>, grid: &Grid<E>) -> Self {
+        let velocity = Lanes::<S, E>::splat(simd, grid.velocity);
         let mut d = [velocity; 3];
         let mut dv = d;
         for a in 0..3 {
-            let length = Lanes::<S, E>::splat(simd, length[a]);
+            let length = Lanes::<S, E>::splat(simd, grid.length[a]);
             d[a] = E::apart(simd, columns[0][a], row[0].0[a]) * length;
             dv[a] = E::apart(simd, columns[1][a], row[1].0[a]) * velocity;
         }
+        let shear = Lanes::<S, E>::splat(simd, grid.shear);
+        dv[1] -= shear * d[0];
         Self {
             r2: dot::<S, E>(&d, &d),
             approach: dot::<S, E>(&dv, &d),

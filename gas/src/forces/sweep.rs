@@ -15,10 +15,12 @@ use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search};
 use crate::workspace::Element;
 
 /// The grid that coordinates about a leaf lie on.
-struct Grid<E> {
+pub struct Grid<E> {
     /// Units of length a step along each axis, and units of velocity a step of velocity.
-    length: [E; 3],
-    velocity: E,
+    pub length: [E; 3],
+    pub velocity: E,
+    /// -dv_y/dx of the shear that velocities are relative to.
+    pub shear: E,
     /// How many times steps are doubled where the leaf is packed, and where its neighbours are gathered.
     from: i32,
     to: i32,
@@ -166,6 +168,7 @@ impl<E: Element> Sweep<'_, E> {
         Grid {
             length,
             velocity: E::from_f64(units.velocity_step / units.velocity),
+            shear: E::from_f64(units.shear),
             from: self.packed.middle(leaf).coarser,
             to,
         }
@@ -230,7 +233,7 @@ impl<E: Element> Sweep<'_, E> {
                 }
             }
             let other = Member::new::<R>(simd, columns, &self.flux);
-            let pair = Separation::new(simd, &row, &columns, grid.length, grid.velocity);
+            let pair = Separation::new(simd, &row, &columns, grid);
             let (force, heat) = (self.flux).between::<S, E, R>(simd, &own, &other, &pair);
             sums.add(simd, &own, &other, force, heat);
         }

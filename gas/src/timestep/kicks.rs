@@ -1,7 +1,7 @@
 //! Kicks of the gas near the active particles, at the ends of steps: leaf by leaf, heat booked in the order of the leaves.
 
 use nbody::points::sum::Parts;
-use nbody::points::{Clock, Vec3, clock, clock::Centre};
+use nbody::points::{Clock, Vec3, clock, clock::Centre, hill::Phase};
 use rayon::prelude::*;
 
 use super::{Heat, LEAST_PART};
@@ -24,6 +24,22 @@ struct Kicked<'a> {
 }
 
 impl Kicked<'_> {
+    /// Adds the change of velocity that pairs give to particle k, wherever it is in its step, and counts what the frame made of it.
+    fn push(&mut self, hydro: &Hydro, clock: &Clock, k: usize, (m, dv): (f64, Vec3)) -> Vec3 {
+        let Some(hill) = hydro.domain.hill() else {
+            self.v[k] += dv;
+            return Vec3::zeros();
+        };
+        let change = hill.pushed(dv, self.phase(clock, k));
+        self.v[k] += change;
+        m * (change - dv)
+    }
+
+    /// How far particle k is in its step.
+    fn phase(&self, clock: &Clock, k: usize) -> Phase {
+        clock.phase(self.begin[k], self.span[k])
+    }
+
     /// Adds `du` to the internal energy of particle k, of mass `m`, but leaves it positive.
     fn warm(&mut self, hydro: &Hydro, k: usize, (m, du): (f64, f64), heat: &mut Heat) {
         let u = &mut self.u[k];
@@ -78,13 +94,23 @@ impl Gas {
     pub fn close(&mut self, hydro: &Hydro, clock: &Clock, centre: &Centre) -> Heat {
         let ending = |end: u32| clock.synchronous() || end == clock.tick;
         self.kick(true, |kicked, given, (k, i), heat| {
-            kicked.v[k] += given.dv[i];
             let active = ending(kicked.end[k]);
-            if active {
+            let (m, dv) = (given.m[i], given.dv[i]);
+            if !active {
+                heat.frame += kicked.push(hydro, clock, k, (m, dv));
+            } else {
+                let before = kicked.v[k];
+                if let Some(hill) = hydro.domain.hill() {
+                    kicked.v[k] = hill.seen(given.x[i], before, kicked.phase(clock, k));
+                }
+                kicked.v[k] += dv;
                 let ticks = clock::closing(clock.tick, kicked.begin[k], kicked.span[k]);
                 let dt = f64::from(kicked.span[k]) * clock.unit();
                 let pull = given.pulls.gravity(i) + centre.lacking(given.x[i], dt);
                 kicked.v[k] += ticks * clock.unit() * pull;
+                if hydro.domain.hill().is_some() {
+                    heat.frame += m * (kicked.v[k] - before - dv);
+                }
             }
             kicked.warm(hydro, k, (given.m[i], given.du[i]), heat);
             if active {
@@ -100,8 +126,12 @@ impl Gas {
     pub fn open(&mut self, hydro: &Hydro, clock: &Clock, next: &Clock, centre: &Centre) -> Heat {
         let ending = |end: u32| clock.synchronous() || end == clock.tick;
         let heat = self.kick(false, |kicked, given, (k, i), heat| {
-            kicked.v[k] += given.dv[i];
-            if ending(kicked.end[k]) {
+            let (m, dv) = (given.m[i], given.dv[i]);
+            if !ending(kicked.end[k]) {
+                heat.frame += kicked.push(hydro, clock, k, (m, dv));
+            } else {
+                let before = kicked.v[k];
+                kicked.v[k] += dv;
                 let span = given.next_span[i];
                 let dt = f64::from(span) * next.unit();
                 let pull = given.pulls.gravity(i) + centre.lacking(given.x[i], dt);
@@ -113,6 +143,10 @@ impl Gas {
                     let span = given.next_field_span[i];
                     kicked.v[k] += clock::opening(span) * next.unit() * pull;
                     (kicked.field_begin[k], kicked.field_span[k]) = (next.tick, span);
+                }
+                if let Some(hill) = hydro.domain.hill() {
+                    kicked.v[k] = hill.opened(given.x[i], kicked.v[k], dt);
+                    heat.frame += m * (kicked.v[k] - before - dv);
                 }
                 kicked.begin[k] = next.tick;
                 kicked.span[k] = span;

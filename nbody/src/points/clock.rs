@@ -9,6 +9,7 @@
 //! first of the two is active; at its opening it gets half its planned step as weight, at its closing the rest of the elapsed time.
 
 use super::Vec3;
+use super::hill::Phase;
 
 /// A base step may be longer than a wanted step by this part, as far as times between reports are rounded, and still be one such step.
 const ROUNDING: f64 = 1e-9;
@@ -177,6 +178,15 @@ impl Clock {
             1 << self.tick.trailing_zeros()
         };
         Some(longest.min(aligned))
+    }
+
+    /// How far a step of `span` ticks is that began at tick `begin`.
+    pub fn phase(&self, begin: u32, span: u32) -> Phase {
+        let unit = self.unit();
+        Phase {
+            step: f64::from(span) * unit,
+            elapsed: f64::from(self.tick - begin) * unit,
+        }
     }
 
     /// The end of a step that is cut to at most `span` ticks by waking: the next tick after now that a step of `span` may end at.

@@ -1,6 +1,10 @@
 //! The domain: where particles may be, what lies beyond its faces, and how many dimensions it has.
+//!
+//! In a shearing box what lies across x is the box moved by the shear: an image i periods outwards stands i q Omega L_x t behind along y, and
+//! moves i q Omega L_x slower. Velocities relative to the shear are the same for all images.
+//! Source: Hawley, Gammie & Balbus (1995), ApJ 440, 742, section 2.3.
 
-use super::Vec3;
+use super::{Hill, Vec3};
 
 /// What lies beyond the faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +13,8 @@ pub enum Boundary {
     Open,
     /// Copies of the box [0, size) along every dimension of the domain.
     Periodic { size: Vec3 },
+    /// The same in Hill's frame; `offset` is how far the next box outwards stands behind along y now ([`Domain::at`]).
+    Shearing { size: Vec3, hill: Hill, offset: f64 },
 }
 
 /// The domain of a scene.
@@ -36,6 +42,70 @@ impl Domain {
         }
     }
 
+    /// A three-dimensional shearing box [0, size) at time zero, with no tide in its middle; `rate` is Omega and `shear` is q.
+    pub fn shearing(size: Vec3, rate: f64, shear: f64) -> Self {
+        let hill = Hill {
+            rate,
+            shear,
+            middle: 0.5 * size.x,
+        };
+        Self {
+            boundary: Boundary::Shearing {
+                size,
+                hill,
+                offset: 0.0,
+            },
+            axes: [true; 3],
+        }
+    }
+
+    /// The same domain as it is at `time`.
+    pub fn at(self, time: f64) -> Self {
+        let Boundary::Shearing { size, hill, .. } = self.boundary else {
+            return self;
+        };
+        let offset = (hill.gradient() * size.x * time).rem_euclid(size.y);
+        Self {
+            boundary: Boundary::Shearing { size, hill, offset },
+            ..self
+        }
+    }
+
+    /// The frame of a shearing box.
+    pub fn hill(&self) -> Option<&Hill> {
+        match &self.boundary {
+            Boundary::Shearing { hill, .. } => Some(hill),
+            _ => None,
+        }
+    }
+
+    /// Velocity relative to the shear, if there is one.
+    #[inline(always)]
+    pub fn relative(&self, x: Vec3, v: Vec3) -> Vec3 {
+        self.hill().map_or(v, |hill| hill.relative(x, v))
+    }
+
+    /// -dv_y/dx of the shear; zero without one.
+    pub fn shear_rate(&self) -> f64 {
+        self.hill().map_or(0.0, Hill::gradient)
+    }
+
+    /// Lengths of a closed domain.
+    pub fn size(&self) -> Option<Vec3> {
+        match self.boundary {
+            Boundary::Open => None,
+            Boundary::Periodic { size } | Boundary::Shearing { size, .. } => Some(size),
+        }
+    }
+
+    /// How far the next box outwards stands behind along y.
+    fn offset(&self) -> f64 {
+        match self.boundary {
+            Boundary::Shearing { offset, .. } if self.axes[1] => offset,
+            _ => 0.0,
+        }
+    }
+
     /// The same domain with the given axes alone, e.g. `[true, true, false]` for the xy plane.
     pub const fn with_axes(self, axes: [bool; 3]) -> Self {
         Self { axes, ..self }
@@ -56,27 +126,45 @@ impl Domain {
         v
     }
 
+    /// `margin` along the axes of the domain, without end along missing ones: distances there do not count.
+    pub fn widened(&self, margin: f64) -> Vec3 {
+        Vec3::from_fn(|axis, _| {
+            if self.axes[axis] {
+                margin
+            } else {
+                f64::INFINITY
+            }
+        })
+    }
+
     /// Period along `axis`; zero where the domain does not repeat.
     pub fn period(&self, axis: usize) -> f64 {
-        match self.boundary {
-            Boundary::Periodic { size } if self.axes[axis] => size[axis],
+        match self.size() {
+            Some(size) if self.axes[axis] => size[axis],
             _ => 0.0,
         }
     }
 
     /// Volume of a closed domain (area in two dimensions); infinite for an open one.
     pub fn volume(&self) -> f64 {
-        match self.boundary {
-            Boundary::Open => f64::INFINITY,
-            Boundary::Periodic { size } => (0..3)
+        self.size().map_or(f64::INFINITY, |size| {
+            (0..3)
                 .filter(|&axis| self.axes[axis])
                 .map(|axis| size[axis])
-                .product(),
-        }
+                .product()
+        })
     }
 
-    /// Brings a position back into the box.
-    pub fn wrap(&self, x: &mut Vec3) {
+    /// Brings a position back into the box; returns what that changes the velocity by.
+    pub fn wrap(&self, x: &mut Vec3) -> Vec3 {
+        let mut change = Vec3::zeros();
+        if let Boundary::Shearing { size, hill, .. } = self.boundary {
+            let boxes = (x.x / size.x).floor();
+            if boxes != 0.0 {
+                x.y += boxes * self.offset();
+                change.y = boxes * hill.gradient() * size.x;
+            }
+        }
         for axis in 0..3 {
             let period = self.period(axis);
             if period > 0.0 && !(x[axis] >= 0.0 && x[axis] < period) {
@@ -86,10 +174,14 @@ impl Domain {
                 }
             }
         }
+        change
     }
 
     /// The separation to the nearest image.
     pub fn nearest(&self, mut dx: Vec3) -> Vec3 {
+        if self.period(0) > 0.0 {
+            dx.y += (dx.x / self.period(0)).round() * self.offset();
+        }
         for axis in 0..3 {
             let period = self.period(axis);
             if period > 0.0 {
@@ -110,21 +202,24 @@ impl Domain {
         hi: Vec3,
         mut visit: impl FnMut(Vec3),
     ) {
-        let mut first = [0i32; 3];
-        let mut last = [0i32; 3];
-        for axis in 0..3 {
+        // The images along an axis that stands `moved` from where it is.
+        let images = |axis: usize, moved: f64| {
             let period = self.period(axis);
             if period > 0.0 {
-                first[axis] = ((query_lo[axis] - hi[axis]) / period).ceil() as i32;
-                last[axis] = ((query_hi[axis] - lo[axis]) / period).floor() as i32;
+                let first = ((query_lo[axis] - moved - hi[axis]) / period).ceil();
+                let last = ((query_hi[axis] - moved - lo[axis]) / period).floor();
+                first as i32..=last as i32
+            } else {
+                0..=0
             }
-        }
-        for k in first[2]..=last[2] {
-            for j in first[1]..=last[1] {
-                for i in first[0]..=last[0] {
+        };
+        for k in images(2, 0.0) {
+            for i in images(0, 0.0) {
+                let behind = f64::from(i) * self.offset();
+                for j in images(1, -behind) {
                     visit(Vec3::new(
                         f64::from(i) * self.period(0),
-                        f64::from(j) * self.period(1),
+                        f64::from(j) * self.period(1) - behind,
                         f64::from(k) * self.period(2),
                     ));
                 }
@@ -162,5 +257,45 @@ mod tests {
             |s| found.push((s.x, s.y, s.z)),
         );
         assert_eq!(found, [(-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]);
+    }
+
+    #[test]
+    fn images_of_a_shearing_box_move_with_the_shear() {
+        let (size, t) = (Vec3::new(2.0, 3.0, 1.0), 1.7);
+        let domain = Domain::shearing(size, 0.8, 1.5).at(t);
+        let hill = *domain.hill().expect("a frame");
+        let x = Vec3::new(0.3, 2.9, 0.5);
+        let v = Vec3::new(0.1, 0.2, 0.0);
+        for boxes in [-2.0, -1.0, 1.0, 3.0] {
+            // A particle that has always kept the velocity of the shear beside this one, `boxes` periods outwards.
+            let moved = -boxes * hill.gradient() * size.x;
+            let mut image = x + Vec3::new(boxes * size.x, moved * t, 0.0);
+            let change = domain.wrap(&mut image);
+            assert!((image - x).norm() < 1e-14, "{boxes}: {image}");
+            assert!((v.y + moved + change.y - v.y).abs() < 1e-15);
+            let apart = Vec3::new(boxes * size.x, moved * t, 0.0);
+            assert!(domain.nearest(apart).norm() < 1e-14);
+            let outside = x + Vec3::new(boxes * size.x, 0.0, 0.0);
+            let faster = Vec3::new(0.0, moved, 0.0);
+            let same = domain.relative(outside, v + faster) - domain.relative(x, v);
+            assert!(same.norm() < 1e-14);
+        }
+        let mut found = Vec::new();
+        let (lo, hi) = (Vec3::new(1.9, 0.0, 0.4), Vec3::new(2.1, 3.0, 0.6));
+        let inside = size * 0.999;
+        domain.shifts(lo, hi, Vec3::zeros(), inside, |s| found.push(s));
+        let offset = (1.2 * 2.0 * t) % 3.0;
+        assert!(found.iter().any(|s| *s == Vec3::zeros()));
+        assert!(
+            found
+                .iter()
+                .any(|s| (s - Vec3::new(2.0, -offset, 0.0)).norm() < 1e-14)
+        );
+        assert!(
+            found
+                .iter()
+                .any(|s| (s - Vec3::new(2.0, 3.0 - offset, 0.0)).norm() < 1e-14)
+        );
+        assert_eq!(found.len(), 4);
     }
 }

@@ -144,7 +144,7 @@ fn drag(dust: &Section<'_>, facts: &Facts) -> DustDrag {
             &["stokes_number"],
             "belongs to law = \"constant-stokes-number\"",
         );
-    } else if !facts.has_star {
+    } else if !facts.has_orbits {
         section.wrong("law", "needs a [star], which sets the orbital frequency");
     }
     let drag = match law {

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use nbody::points::{Boundary, Domain, Vec3};
+use nbody::points::{Dimension, Domain, Vec3};
 
 use super::absolute;
 use crate::reader::{Door, Range, Section};
-use crate::scene::{Accuracy, Preset, Run, Snapshots, Star, TimeStep};
+use crate::scene::{Accuracy, Local, Preset, Run, Snapshots, Star, TimeStep};
 use crate::units::{Kind, System, Units};
 
 /// Snapshots that a run may write.
@@ -92,22 +92,46 @@ fn snapshots(section: &Section<'_>, end_time: f64) -> Snapshots {
     Snapshots::Every(interval.unwrap_or(end_time / 10.0))
 }
 
-pub fn domain(root: &Section<'_>) -> Domain {
+/// What lies beyond the faces of a domain.
+#[derive(Clone, Copy, PartialEq)]
+enum Kinds {
+    Open,
+    Periodic,
+    Shearing,
+}
+
+/// Keys of a shearing box alone.
+const OF_THE_FRAME: [&str; 4] = ["rate", "shear", "vertical_gravity", "headwind"];
+
+pub fn domain(root: &Section<'_>) -> (Domain, Local) {
     let section = root.section("domain");
-    let kinds = [("open", false), ("periodic", true)];
-    let kind = section.choice("kind", &kinds, &["shearing-box"]);
+    let kinds = [
+        ("open", Kinds::Open),
+        ("periodic", Kinds::Periodic),
+        ("shearing-box", Kinds::Shearing),
+    ];
+    let kind = section.choice("kind", &kinds, &[]);
     if section.has("kind") && kind.is_none() {
-        section.pass_over(&["size", "rate", "shear"]);
+        section.pass_over(&["size"]);
+        section.pass_over(&OF_THE_FRAME);
     }
-    if kind.is_some() || !section.has("kind") {
-        section.later(&["rate", "shear"]);
+    let kind = kind.unwrap_or(Kinds::Open);
+    if kind != Kinds::Shearing {
+        section.misplaced(&OF_THE_FRAME, "belongs to kind = \"shearing-box\"");
     }
-    let boundary = match kind {
-        Some(true) => periodic(&section),
-        None if section.has("kind") => Boundary::Open,
-        _ => {
-            section.misplaced(&["size"], "belongs to kind = \"periodic\"");
-            Boundary::Open
+    let mut local = Local::default();
+    let whole = match kind {
+        Kinds::Open => {
+            section.misplaced(
+                &["size"],
+                "belongs to kind = \"periodic\" or \"shearing-box\"",
+            );
+            Domain::open()
+        }
+        Kinds::Periodic => Domain::periodic(size(&section, "the periodic box")),
+        Kinds::Shearing => {
+            local = self::local(&section);
+            shearing(&section)
         }
     };
     let dimensions = section.whole("dimensions", 2, 3).unwrap_or(3);
@@ -121,20 +145,46 @@ pub fn domain(root: &Section<'_>) -> Domain {
     } else {
         [true; 3]
     };
+    if local.vertical_gravity && !axes[2] {
+        section.wrong(
+            "vertical_gravity",
+            "needs heights, which plane = \"xy\" has not",
+        );
+    }
     section.close();
-    Domain { boundary, axes }
+    (whole.with_axes(axes), local)
 }
 
-fn periodic(section: &Section<'_>) -> Boundary {
+fn size(section: &Section<'_>, what: &str) -> Vec3 {
     let nowhere = Vec3::repeat(f64::NAN);
     let size = section.vector("size", Kind::LENGTH);
-    let what = "the lengths [x, y, z] of the periodic box";
-    let size = section.required("size", size, what, nowhere);
+    let what = format!("the lengths [x, y, z] of {what}");
+    let size = section.required("size", size, &what, nowhere);
     if size.iter().any(|&length| length <= 0.0) {
         section.wrong("size", "must be greater than 0 along every axis");
-        return Boundary::Periodic { size: nowhere };
+        return nowhere;
     }
-    Boundary::Periodic { size }
+    size
+}
+
+fn shearing(section: &Section<'_>) -> Domain {
+    const STABLE: Range = Range {
+        test: |q| (0.0..2.0).contains(&q),
+        text: "at least 0 and less than 2, where orbits are no longer stable",
+    };
+    let rate = section.quantity("rate", Kind::of(Dimension::RATE), Range::POSITIVE);
+    let what = "the orbital frequency Omega of the box";
+    let rate = section.required("rate", rate, what, f64::NAN);
+    let shear = section.number("shear", STABLE).unwrap_or(1.5);
+    Domain::shearing(size(section, "the shearing box"), rate, shear)
+}
+
+fn local(section: &Section<'_>) -> Local {
+    let headwind = section.quantity("headwind", Kind::VELOCITY, Range::ANY);
+    Local {
+        vertical_gravity: section.flag("vertical_gravity").unwrap_or(false),
+        headwind: headwind.unwrap_or(0.0),
+    }
 }
 
 pub fn star(root: &Section<'_>) -> Option<Star> {

@@ -1,7 +1,5 @@
 //! Who acts on whom: gravity and the coupling by drag.
 
-use nbody::points::Boundary;
-
 use super::Facts;
 use crate::reader::{Range, Section};
 use crate::scene::{
@@ -65,20 +63,23 @@ impl Scene {
 pub fn with_gravity(mut scene: Scene, root: &Section<'_>, facts: &Facts) -> Scene {
     let section = root.section("gravity");
     section.number("constant", Range::ANY);
-    let periodic = matches!(scene.domain.boundary, Boundary::Periodic { .. });
+    let closed = scene.domain.size().is_some();
     let methods = [
         ("tree", GravityMethod::Tree),
         ("direct", GravityMethod::Direct),
         ("none", GravityMethod::None),
     ];
     let method = section.choice("method", &methods, &[]);
-    if periodic && method.is_some_and(|method| method != GravityMethod::None) {
+    if closed && method.is_some_and(|method| method != GravityMethod::None) {
         section.wrong(
             "method",
-            "is not available in a periodic domain; allowed is \"none\"",
+            match scene.domain.hill() {
+                Some(_) => "is not available in a shearing box; allowed is \"none\"",
+                None => "is not available in a periodic domain; allowed is \"none\"",
+            },
         );
     }
-    let method = method.unwrap_or(if periodic {
+    let method = method.unwrap_or(if closed {
         GravityMethod::None
     } else {
         GravityMethod::Tree

@@ -185,9 +185,16 @@ impl Extra {
             if gas.rates.gravity.len() + gas.rates.field.len() > 0 {
                 extra.gravity_of_gas = (0..gas.len()).map(|i| gas.rates.attraction(i)).collect();
             }
+            let frame = |x: Vec3, v: Vec3| match system.domain.hill() {
+                Some(hill) => hill.acceleration(x, v),
+                None => Vec3::zeros(),
+            };
+            let p = &gas.particles;
+            let of_gas = |i: usize| gas.acceleration(i) + frame(p.x[i], p.v[i]);
+            let of_dust = |i: usize| system.dust.rates.gravity[i] + frame(dust.x[i], dust.v[i]);
             extra.accelerations = [
-                (0..gas.len()).map(|i| gas.acceleration(i)).collect(),
-                system.dust.rates.gravity.clone(),
+                (0..gas.len()).map(of_gas).collect(),
+                (0..dust.len()).map(of_dust).collect(),
                 star,
                 system.star.a.clone(),
             ];

@@ -52,6 +52,14 @@ fn domain(text: &mut Text, scene: &Scene) {
             text.text("kind", "periodic");
             text.vector("size", size);
         }
+        Boundary::Shearing { size, hill, .. } => {
+            text.text("kind", "shearing-box");
+            text.vector("size", size);
+            text.number("rate", hill.rate);
+            text.number("shear", hill.shear);
+            text.raw("vertical_gravity", scene.local.vertical_gravity);
+            text.number("headwind", scene.local.headwind);
+        }
     }
     text.raw("dimensions", scene.domain.dimensions());
     if scene.domain.dimensions() == 2 {
