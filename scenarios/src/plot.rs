@@ -1,7 +1,7 @@
 //! Pictures of a snapshot and of a run: column densities, radial profiles, the ledger over time.
 
 mod ledger;
-mod map;
+pub(crate) mod map;
 mod profile;
 
 use std::path::{Path, PathBuf};
@@ -63,7 +63,7 @@ fn of_snapshot(path: &Path, output: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Saves panels, `columns` side by side.
-fn save(
+pub(crate) fn save(
     panels: Vec<(Vec<Plot>, Layout)>,
     columns: usize,
     title: &str,
