@@ -257,7 +257,7 @@ pub const PROBLEMS: [Problem; 26] = [
     of_scheme("gas-noh-3d", "the same in space", gas::noh::space),
     of_scheme(
         "gas-sedov",
-        "blast in cold gas, 262 144 particles (Sedov 1959)",
+        "blast in cold gas, 265 302 particles (Sedov 1959)",
         gas::sedov::of,
     ),
     of_scheme(
@@ -277,7 +277,7 @@ pub const PROBLEMS: [Problem; 26] = [
     ),
     of_scheme(
         "gas-evrard",
-        "cold collapse of 14 328 particles to t = 0.8",
+        "cold collapse of 14 328 and of twice as many particles to t = 0.8",
         gas::evrard::of,
     ),
     of_scheme(

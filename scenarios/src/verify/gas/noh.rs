@@ -52,7 +52,7 @@ pub fn plane(scheme: &Scheme) -> Vec<Row> {
 }
 
 pub fn space(scheme: &Scheme) -> Vec<Row> {
-    rows(scheme, "gas-noh-3d", 3, 0.12)
+    rows(scheme, "gas-noh-3d", 3, 0.2)
 }
 
 fn rows(scheme: &Scheme, name: &str, dimensions: i32, spacing: f64) -> Vec<Row> {

@@ -32,6 +32,8 @@ pub const TUBE: Tube = Tube {
     },
     gamma: 5.0 / 3.0,
     end: 0.2,
+    dimensions: 3,
+    across: 16,
 };
 
 /// In both precisions, with the viscosity that suits shocks.

@@ -1,6 +1,6 @@
 //! A square of dense gas in balance of pressure with thin gas around it, in the plane: nothing moves. Density 4 : 1, P = 2.5, gamma = 5/3, t = 8.
 //!
-//! Equal masses on square lattices, 128 a side of the thin gas, 256 of the dense one. Side: four times the mean distance of dense particles
+//! Equal masses on square lattices, 64 a side of the thin gas, 128 of the dense one. Side: four times the mean distance of dense particles
 //! from the middle line, in strips of a tenth of the side along both axes; area: that of the dense particles. Rounding: how far
 //! the outermost dense particles of the four quarters along their diagonals have come in from the corners, in distances of the thin gas.
 //! Source: Saitoh & Makino (2013), ApJ 768, 44, section 5.2.
@@ -13,7 +13,7 @@ use super::{Bar, End, Row, Scheme};
 const P: f64 = 2.5;
 const TIME: f64 = 8.0;
 /// Particles a side of the thin gas.
-const SIDE: u32 = 128;
+const SIDE: u32 = 64;
 
 fn scene(n: u32) -> String {
     let spacing = 1.0 / f64::from(n);
