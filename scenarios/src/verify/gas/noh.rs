@@ -26,7 +26,8 @@ fn scene(dimensions: i32, spacing: f64) -> String {
     format!(
         "[run]\nend_time = {TIME}\n[units]\nsystem = \"dimensionless\"\n[domain]\nkind = \"open\"\ndimensions = {dimensions}\n\
          [[gas.block]]\nlo = [-{RADIUS}, -{RADIUS}, -{z:?}]\nhi = [{RADIUS}, {RADIUS}, {z:?}]\nlattice = \"{lattice}\"\n\
-         spacing = {spacing}\ndensity = 1\ninternal_energy = 1e-6\n[gas.eos]\ngamma = 1.6666666666666667\n"
+         spacing = {spacing}\ndensity = 1\ninternal_energy = 1e-6\n[gas.eos]\ngamma = 1.6666666666666667\n\
+         [gravity]\nmethod = \"none\"\n"
     )
 }
 
@@ -52,7 +53,7 @@ pub fn plane(scheme: &Scheme) -> Vec<Row> {
 }
 
 pub fn space(scheme: &Scheme) -> Vec<Row> {
-    rows(scheme, "gas-noh-3d", 3, 0.2)
+    rows(scheme, "gas-noh-3d", 3, 0.14)
 }
 
 fn rows(scheme: &Scheme, name: &str, dimensions: i32, spacing: f64) -> Vec<Row> {

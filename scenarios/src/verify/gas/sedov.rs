@@ -131,8 +131,8 @@ impl Blast {
             [d_lambda, d_g, -energy * d_lambda]
         };
         let plus = |w: [f64; 3], k: [f64; 3], h: f64| [0, 1, 2].map(|i| w[i] + h * k[i]);
-        let (steps, first) = (6000, (2.0 * g / (g + 1.0) - 1.0).ln());
-        let h = -40.0 / f64::from(steps);
+        let (steps, first) = (9000, (2.0 * g / (g + 1.0) - 1.0).ln());
+        let h = -60.0 / f64::from(steps);
         let mut w = [0.0, ((g + 1.0) / (g - 1.0)).ln(), 0.0];
         let mut profile = vec![(1.0, w[1].exp())];
         for n in 0..steps {
