@@ -74,8 +74,18 @@ enum Command {
         output: Option<PathBuf>,
     },
     /// Run built-in problems against their exact or published answers and print tables; all of them without a name
-    #[command(after_help = "Example:\n  tridisk verify stirring")]
-    Verify { names: Vec<String> },
+    #[command(
+        after_help = "Examples:\n  tridisk verify stirring\n  tridisk verify gas --set gas.viscosity.kind=balsara --pictures pictures\n  tridisk verify gas-sod"
+    )]
+    Verify {
+        names: Vec<String>,
+        /// Override a key of gas.hydro, gas.viscosity or gas.conduction in the problems of the gas
+        #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+        set: Vec<String>,
+        /// Folder for a picture of each problem of the gas
+        #[arg(long, value_name = "DIR")]
+        pictures: Option<PathBuf>,
+    },
 }
 
 #[derive(Args)]
@@ -191,12 +201,18 @@ fn look(command: Command) -> Result<(), Failure> {
             }
             Ok(())
         }
-        Command::Verify { names } => match verify::verify(&names).map_err(Failure::Refused)? {
-            true => Ok(()),
-            false => Err(Failure::Failed(
-                "a problem has left its acceptable bars".to_string(),
-            )),
-        },
+        Command::Verify {
+            names,
+            set,
+            pictures,
+        } => {
+            let all = verify::verify(&names, &set, pictures.as_deref());
+            if all.map_err(Failure::Refused)? {
+                return Ok(());
+            }
+            let sentence = "a problem has left its acceptable bars";
+            Err(Failure::Failed(sentence.to_owned()))
+        }
         Command::Run(_) | Command::Resume(_) => unreachable!("these two run something"),
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures of a snapshot and of a run: column densities, radial profiles, the ledger over time.
 
 mod ledger;
-mod map;
+pub(crate) mod map;
 mod profile;
 
 use std::path::{Path, PathBuf};

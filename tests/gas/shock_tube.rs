@@ -1,7 +1,7 @@
 //! Sod's shock tube in three dimensions, gamma = 5/3, 57 600 or 28 800 particles, against the exact solution (Toro 2009, chapter 4).
 
 use tridisk::snapshot::Particles;
-use tridisk::verify::gas::sod::Fan;
+use tridisk::verify::gas::sod::TUBE;
 
 use crate::bench::{self, Done};
 
@@ -13,16 +13,16 @@ fn last(run: &Done) -> Particles {
 
 /// Mean errors of density and velocity by volume within 0.5 of the middle, at time 0.2.
 fn errors(gas: &Particles) -> [f64; 2] {
-    let (mut volume, mut errors, fan) = (0.0, [0.0; 2], Fan::default());
+    let (mut volume, mut errors, waves) = (0.0, [0.0; 2], TUBE.waves());
     for i in 0..gas.len() {
         let x = gas.x[i].x - 1.0;
         if x.abs() < 0.5 {
             let rho = gas.more["Densities"][i];
             let part = gas.m[i] / rho;
-            let [exact_rho, exact_v, _] = fan.at(x / 0.2);
+            let exact = waves.at(x / 0.2);
             volume += part;
-            errors[0] += part * (rho - exact_rho).abs();
-            errors[1] += part * (gas.v[i].x - exact_v).abs();
+            errors[0] += part * (rho - exact.rho).abs();
+            errors[1] += part * (gas.v[i].x - exact.v).abs();
         }
     }
     errors.map(|error| error / volume)
@@ -62,8 +62,9 @@ fn tube(keys: &str) -> Done {
 
 /// How far the energy rises over that of the shocked gas, beside the contact.
 fn wall(gas: &Particles) -> f64 {
-    let [rho, v, p] = Fan::default().at(0.85);
-    let shocked = p / ((GAMMA - 1.0) * rho);
+    let shocked = TUBE.waves().inner[1];
+    let v = shocked.v;
+    let shocked = shocked.p / ((GAMMA - 1.0) * shocked.rho);
     (0..gas.len())
         .filter(|&i| (gas.x[i].x - 1.0 - 0.2 * v).abs() < 0.06)
         .map(|i| gas.more["InternalEnergies"][i] / shocked - 1.0)

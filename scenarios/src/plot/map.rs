@@ -9,7 +9,7 @@ use super::{axis, caption, save, star};
 use crate::snapshot::{Contents, Particles};
 
 /// Cells along each side of a map.
-const CELLS: usize = 240;
+pub(crate) const CELLS: usize = 240;
 /// Sets of at most so many bodies or superparticles are drawn one by one.
 const FEW: usize = 5000;
 /// Decades below the maximum that are shown.
@@ -234,7 +234,7 @@ fn column_density(group: &Particles, view: &View) -> Vec<Vec<f64>> {
 }
 
 /// Adds `amount`, spread over the cells within `width` cells of the place; all of it, whatever the width.
-fn spread(columns: &mut [Vec<f64>], place: [f64; 2], width: [f64; 2], amount: f64) {
+pub(crate) fn spread(columns: &mut [Vec<f64>], place: [f64; 2], width: [f64; 2], amount: f64) {
     let range = |side: usize| {
         let lo = (place[side] - width[side]).floor() as i64;
         let hi = (place[side] + width[side]).ceil() as i64;

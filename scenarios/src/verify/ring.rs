@@ -12,6 +12,7 @@ use coupling::System;
 use gas::{Gas, Hydro, Particles, Viscosity};
 use nbody::points::{Columns, Fault, Vec3};
 
+use super::{Bar, Row};
 use crate::populate;
 use crate::trial::Trial;
 
@@ -35,10 +36,115 @@ pub struct Life {
     /// Change of the outer half's angular momentum by that of the ring, an orbit, over the last orbits; and the parts that
     /// viscosity and pressure account for.
     pub torque: [f64; 3],
+    /// The same torque over the first quarter of an orbit.
+    pub first_torque: f64,
     pub error_angular_momentum: f64,
     /// CPU time, s, and a particle's update, us.
     pub cpu_s: f64,
     pub update: f64,
+}
+
+const FORMULATIONS: [(&str, &str); 4] = [
+    ("density", "formulation = \"density\""),
+    ("pressure", "formulation = \"pressure\""),
+    (
+        "density, matrix gradients",
+        "formulation = \"density\"\ngradient = \"matrix\"",
+    ),
+    (
+        "pressure, matrix gradients",
+        "formulation = \"pressure\"\ngradient = \"matrix\"",
+    ),
+];
+
+const VISCOSITIES: [&str; 8] = [
+    "none",
+    "constant",
+    "balsara",
+    "cullen-dehnen",
+    "neumann-richtmyer",
+    "tensor",
+    "planar",
+    "planar-switch",
+];
+
+const PARTICLES: usize = 16_000;
+const ORBITS: usize = 100;
+
+/// Text of a scheme.
+fn scheme(formulation: &str, viscosity: &str) -> String {
+    format!("[gas.hydro]\n{formulation}\n[gas.viscosity]\nkind = \"{viscosity}\"\n")
+}
+
+/// Prints the table of formulations and viscosities, and that of the Reynolds numbers; judged is the best entry that has a viscosity.
+pub fn rows() -> Vec<Row> {
+    let row = |what: String, measured, bar| Row {
+        what,
+        measured,
+        uncertainty: 0.0,
+        bar,
+    };
+    let mut best: f64 = 0.0;
+    println!(
+        "| formulation | viscosity | orbits | change of mass | v_R / c_s | da / s | torque | viscous | by pressure | us an update |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let pairs: Vec<(usize, &str)> = (0..FORMULATIONS.len())
+        .flat_map(|f| VISCOSITIES.map(|viscosity| (f, viscosity)))
+        .collect();
+    for (f, viscosity) in pairs {
+        let (name, keys) = FORMULATIONS[f];
+        match life(PARTICLES, ORBITS, &scheme(keys, viscosity), &[]) {
+            Ok(life) => {
+                if viscosity != "none" && life.survived > best {
+                    best = life.survived;
+                }
+                let [all, viscous, pressure] = life.torque;
+                println!(
+                    "| {name} | {viscosity} | {}{} | {:.3} | {:.2} | {:.4} | {all:.1e} | {viscous:.1e} | {pressure:.1e} | {:.2} |",
+                    if life.died { "" } else { "> " },
+                    life.survived,
+                    life.change,
+                    life.noise,
+                    life.wander,
+                    life.update
+                );
+            }
+            Err(fault) => println!("| {name} | {viscosity} | {fault} | | | | | | | |"),
+        }
+    }
+    let mut rows = vec![row(
+        "orbits that the best scheme with viscosity survived".to_owned(),
+        best,
+        Bar::Least([100.0, 10.0]),
+    )];
+    for viscosity in ["constant", "balsara"] {
+        let reynolds = [4_000, 16_000, 64_000].map(|n| {
+            let life = life(n, 1, &scheme(FORMULATIONS[0].1, viscosity), &[]);
+            let torque = life.map_or(f64::NAN, |life| life.first_torque);
+            reynolds(torque)
+        });
+        for (n, re) in ["4 000", "16 000", "64 000"].iter().zip(reynolds) {
+            rows.push(row(
+                format!("Re of {n} particles, {viscosity}"),
+                re,
+                Bar::None,
+            ));
+        }
+        rows.push(row(
+            format!("slope of ln Re in ln N, {viscosity} (1/2 where nu goes with h, 1 where with h^2; 1/3 and 2/3 in space)"),
+            (reynolds[2] / reynolds[0]).ln() / 16f64.ln(),
+            Bar::None,
+        ));
+    }
+    rows
+}
+
+/// R^2 Omega / nu of the viscosity whose torque 3 pi nu Sigma R^2 Omega at the middle of the ring is `torque` an orbit, by the ring's
+/// angular momentum.
+fn reynolds(torque: f64) -> f64 {
+    let nu = torque / TAU * MIDDLE * WIDTH * TAU.sqrt() / 1.5;
+    MIDDLE * MIDDLE / nu
 }
 
 /// The scene of `n` particles or about as many; `scheme` is further text of it.
@@ -206,6 +312,9 @@ pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Resu
             life.change = (first.iter().zip(&now)).map(|(a, b)| (a - b).abs()).sum();
             // Over the last quarter orbit, with the torques at its ends.
             life.torque = [(l - before) * SAMPLES as f64, 0.0, 0.0];
+            if time < 1.5 / SAMPLES as f64 {
+                life.first_torque = life.torque[0];
+            }
             for k in 0..2 {
                 life.torque[k + 1] = 0.5 * (parts[k] + found[k]) * TAU;
             }
