@@ -24,7 +24,7 @@ pub mod viscosity;
 mod workspace;
 
 pub use conduction::Conduction;
-pub use eos::Eos;
+pub use eos::{Barotropic, Eos, Stiffened, Table, Tillotson};
 pub use formulation::Formulation;
 pub use hydro::{Hydro, UNLIMITED};
 pub use kernel::{

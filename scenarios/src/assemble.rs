@@ -253,7 +253,7 @@ fn operators(
     let moving = bodies && (gas || dust || !system.bodies.is_empty());
     let hydro = scene.gas.as_ref().map(|g| populate::hydro(scene, g));
     let mut list: Vec<Box<dyn Operator>> = Vec::new();
-    if let Some(hydro) = hydro.filter(|_| gas) {
+    if let Some(hydro) = hydro.clone().filter(|_| gas) {
         list.push(Box::new(Density { hydro }));
     }
     let plan = plan(scene, integrator, step);
@@ -267,12 +267,12 @@ fn operators(
         list.push(Box::new(gravity));
     }
     if let (true, true, Some(d), Some(hydro)) =
-        (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro)
+        (gas, dust && scene.coupling.gas_dust, &scene.dust, &hydro)
     {
         drift.always = true;
         list.push(Box::new(DustDrag::new(
             populate::dust_law(scene, d),
-            &hydro,
+            hydro,
             scene.coupling.feedback,
         )));
     }
@@ -280,12 +280,12 @@ fn operators(
         gas,
         scene.coupling.gas_planetesimals,
         &scene.planetesimals,
-        hydro,
+        &hydro,
     ) {
         drift.always = true;
         list.push(Box::new(BodyDrag::new(
             populate::body_law(scene, p),
-            &hydro,
+            hydro,
             scene.coupling.feedback,
         )));
     }

@@ -23,6 +23,7 @@ pub mod schedule;
 pub mod signals;
 pub mod snapshot;
 pub mod stopwatch;
+pub mod table;
 pub mod trial;
 pub mod units;
 pub mod validate;

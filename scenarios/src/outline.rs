@@ -10,7 +10,7 @@ use nbody::points::{Columns, Dimension, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
 use crate::run::RunError;
-use crate::scene::{BodyDrag, Collisions, Formulation, Scene, Viscosity};
+use crate::scene::{BodyDrag, Collisions, Eos, Formulation, Scene, Viscosity};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -109,8 +109,16 @@ fn method(scene: &Scene) -> Option<String> {
     } else {
         String::new()
     };
+    let eos = match &gas.eos {
+        Eos::Ideal { gamma } => format!("ideal, gamma = {gamma}"),
+        Eos::Barotropic(law) => format!("barotropic, gamma = {} when dense", law.gamma),
+        Eos::Stiffened(law) => format!("stiffened, gamma = {}", law.gamma),
+        Eos::Tillotson { material } => format!("Tillotson's {material}"),
+        Eos::Tabulated { file, .. } => format!("tabulated in {}", file.display()),
+        other => other.name().replace('-', " "),
+    };
     Some(format!(
-        "gas: {formulation} SPH with {} neighbours, {viscosity}{conduction}",
+        "gas: {eos}; {formulation} SPH with {} neighbours, {viscosity}{conduction}",
         gas.hydro.neighbours
     ))
 }

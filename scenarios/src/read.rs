@@ -2,6 +2,7 @@
 
 mod bodies;
 mod dust;
+mod eos;
 mod frame;
 pub mod gas;
 pub mod gravity;
@@ -101,6 +102,8 @@ pub struct Facts {
     has_disk: bool,
     has_planets: bool,
     preset: Preset,
+    /// Where files of the scene are looked for.
+    folder: PathBuf,
 }
 
 impl Facts {
@@ -144,6 +147,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         has_disk: root.section("gas").has("disk"),
         has_planets: root.has("planet"),
         preset: accuracy.preset,
+        folder: folder.to_path_buf(),
     };
     let gas = gas::gas(&root, &facts);
     let dust = dust::dust(&root, &facts, gas.as_ref());

@@ -4,6 +4,7 @@
 //! not modelled is `None` here and nowhere else. Made by `Scene::load` or `Scene::parse`; trusted by everything that follows.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use gas::KernelKind;
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
@@ -86,6 +87,8 @@ pub struct Gas {
     pub disk: Option<Disk>,
     pub blocks: Vec<GasBlock>,
     pub eos: Eos,
+    /// None of what is no gas.
+    pub mean_molecular_weight: Option<f64>,
     pub cooling: Cooling,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
@@ -149,15 +152,13 @@ pub enum Thermal {
     Eos,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Eos {
     Ideal {
         gamma: f64,
-        mean_molecular_weight: f64,
     },
     Isothermal {
         sound_speed: f64,
-        mean_molecular_weight: f64,
     },
     /// c_s = sound_speed (R / reference_radius)^-exponent, R the distance from the star in the disk's plane.
     LocallyIsothermal {
@@ -166,8 +167,41 @@ pub enum Eos {
         sound_speed: f64,
         exponent: f64,
         reference_radius: f64,
-        mean_molecular_weight: f64,
     },
+    Barotropic(gas::Barotropic),
+    Stiffened(gas::Stiffened),
+    /// One of the materials that are known by name.
+    Tillotson {
+        material: &'static str,
+    },
+    /// `table` is what stands in the file, an absolute path, in code units.
+    Tabulated {
+        file: PathBuf,
+        table: Arc<gas::Table>,
+    },
+}
+
+impl Eos {
+    /// The word that scenes know it by.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Ideal { .. } => "ideal",
+            Self::Isothermal { .. } => "isothermal",
+            Self::LocallyIsothermal { .. } => "locally-isothermal",
+            Self::Barotropic(_) => "barotropic",
+            Self::Stiffened(_) => "stiffened",
+            Self::Tillotson { .. } => "tillotson",
+            Self::Tabulated { .. } => "tabulated",
+        }
+    }
+
+    /// Whether the internal energy follows from heating and work alone.
+    pub fn is_free(&self) -> bool {
+        !matches!(
+            self,
+            Self::Isothermal { .. } | Self::LocallyIsothermal { .. } | Self::Barotropic(_)
+        )
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

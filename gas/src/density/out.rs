@@ -1,9 +1,10 @@
 //! What a density sweep writes, in code units: h, densities, pressure, viscosity, and how the gas flows.
 
-use nbody::points::Clock;
 use nbody::points::sum::Parts;
+use nbody::points::{Clock, Vec3};
 
 use super::sums::Local;
+use crate::eos::Binding;
 use crate::units::Units;
 use crate::viscosity::Flow;
 use crate::viscosity::cullen_dehnen::Compression;
@@ -15,6 +16,9 @@ struct Columns<'a> {
     alpha: Parts<'a, f64>,
     rho: Parts<'a, f64>,
     p: Parts<'a, f64>,
+    cs: Parts<'a, f64>,
+    /// Predicted.
+    u: Parts<'a, f64>,
     /// Empty where pressure follows from density and energy.
     p_ratio: Parts<'a, f64>,
     grad_h: Parts<'a, f64>,
@@ -38,8 +42,6 @@ pub struct State<'a> {
 pub struct Out<'a> {
     hydro: &'a Hydro,
     columns: Columns<'a>,
-    cs: &'a [f64],
-    u: &'a [f64],
     begin: &'a [u32],
     tick: u32,
     /// Length of a tick.
@@ -56,7 +58,7 @@ impl<'a> Out<'a> {
         (hydro, clock, units): (&'a Hydro, &Clock, &Units),
         state: State<'a>,
         derived: &'a mut Derived,
-        u: &'a [f64],
+        u: &'a mut [f64],
         begin: &'a [u32],
     ) -> Self {
         Self {
@@ -66,6 +68,8 @@ impl<'a> Out<'a> {
                 alpha: Parts::new(state.alpha),
                 rho: Parts::new(&mut derived.rho),
                 p: Parts::new(&mut derived.p),
+                cs: Parts::new(&mut derived.cs),
+                u: Parts::new(u),
                 p_ratio: Parts::new(&mut derived.p_ratio),
                 grad_h: Parts::new(&mut derived.grad_h),
                 div_v: Parts::new(&mut derived.div_v),
@@ -74,8 +78,6 @@ impl<'a> Out<'a> {
                 v_sig: Parts::new(&mut derived.v_sig),
                 near_span: Parts::new(&mut derived.near_span),
             },
-            cs: &derived.cs,
-            u,
             begin,
             tick: clock.tick,
             unit: clock.unit(),
@@ -97,14 +99,14 @@ impl<'a> Out<'a> {
     pub fn write(&self, i: usize, local: &Local, reach: f64) {
         let rate = self.velocity / self.length;
         let rho = local.rho * self.density;
+        let (p, cs) = self.thermal(i, rho);
         let flow = Flow {
             div_v: local.div_v * rate,
             curl_v: local.curl_v * rate,
-            cs: self.cs[i],
+            cs,
             h: reach * self.h_by_reach,
         };
         let alpha = self.alpha(i, local, flow, reach);
-        let p = self.hydro.eos.pressure(rho, self.u[i]);
         let (own, out) = (i..i + 1, &self.columns);
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
@@ -127,6 +129,21 @@ impl<'a> Out<'a> {
             // Infinite without neighbours: the cast saturates.
             out.near_span.part(own)[0] = local.near_span as u32;
         }
+    }
+
+    /// Pressure and sound speed at the density `rho` that particle i turns out to have; u goes with it where it is bound to density.
+    #[inline(always)]
+    fn thermal(&self, i: usize, rho: f64) -> (f64, f64) {
+        let (own, out, eos) = (i..i + 1, &self.columns, &self.hydro.eos);
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let (u, cs) = unsafe { (out.u.part(own.clone()), out.cs.part(own)) };
+        if eos.follows_density() {
+            if eos.binding() == Binding::Density {
+                u[0] = eos.bound_energy(Vec3::zeros(), rho).unwrap_or(u[0]);
+            }
+            cs[0] = eos.sound_speed(rho, u[0]);
+        }
+        (eos.pressure(rho, u[0]), cs[0])
     }
 
     /// The viscosity parameter at the end of the step that has passed.

@@ -13,7 +13,7 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
         text.raw("particles", gas.particles);
     }
     text.softening(gas.softening);
-    write_eos(text, &gas.eos);
+    write_eos(text, gas);
     if let Some(disk) = &gas.disk {
         write_disk(text, disk, &gas.eos);
     }
@@ -47,40 +47,37 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     text.number("alpha", gas.conduction);
 }
 
-fn write_eos(text: &mut Text, eos: &Eos) {
+fn write_eos(text: &mut Text, gas: &Gas) {
     text.table("gas.eos");
-    let weight = match *eos {
-        Eos::Ideal {
-            gamma,
-            mean_molecular_weight,
-        } => {
-            text.text("kind", "ideal");
-            text.number("gamma", gamma);
-            mean_molecular_weight
-        }
-        Eos::Isothermal {
-            sound_speed,
-            mean_molecular_weight,
-        } => {
-            text.text("kind", "isothermal");
-            text.number("sound_speed", sound_speed);
-            mean_molecular_weight
-        }
+    text.text("kind", gas.eos.name());
+    match &gas.eos {
+        Eos::Ideal { gamma } => text.number("gamma", *gamma),
+        Eos::Isothermal { sound_speed } => text.number("sound_speed", *sound_speed),
         Eos::LocallyIsothermal {
             aspect_ratio,
             exponent,
             reference_radius,
-            mean_molecular_weight,
             ..
         } => {
-            text.text("kind", "locally-isothermal");
-            text.number("aspect_ratio", aspect_ratio);
-            text.number("exponent", exponent);
-            text.number("reference_radius", reference_radius);
-            mean_molecular_weight
+            text.number("aspect_ratio", *aspect_ratio);
+            text.number("exponent", *exponent);
+            text.number("reference_radius", *reference_radius);
         }
-    };
-    text.number("mean_molecular_weight", weight);
+        Eos::Barotropic(law) => {
+            text.number("sound_speed", law.sound_speed);
+            text.number("critical_density", law.critical_density);
+            text.number("gamma", law.gamma);
+        }
+        Eos::Stiffened(law) => {
+            text.number("gamma", law.gamma);
+            text.number("stiffening_pressure", law.pressure);
+        }
+        Eos::Tillotson { material } => text.text("material", material),
+        Eos::Tabulated { file, .. } => text.text("file", &file.to_string_lossy()),
+    }
+    if let Some(weight) = gas.mean_molecular_weight {
+        text.number("mean_molecular_weight", weight);
+    }
 }
 
 fn write_disk(text: &mut Text, disk: &Disk, eos: &Eos) {
