@@ -3,6 +3,7 @@
 //! Ids are consecutive over all populations: the star has 0, then come planets, planetesimals, gas and dust.
 
 use coupling::accretion::{Accretion, Collisions};
+use coupling::cooling::CoolGas;
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{
     Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
@@ -255,6 +256,11 @@ fn operators(
     let mut list: Vec<Box<dyn Operator>> = Vec::new();
     if let Some(hydro) = hydro.clone().filter(|_| gas) {
         list.push(Box::new(Density { hydro }));
+        // Closes after all that heats the gas.
+        let cooling = scene.gas.as_ref().and_then(populate::cooling);
+        if let Some(cooling) = cooling {
+            list.push(Box::new(CoolGas { cooling }));
+        }
     }
     let plan = plan(scene, integrator, step);
     let mut drift = DriftGas {

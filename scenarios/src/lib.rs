@@ -18,6 +18,7 @@ pub mod progress;
 pub mod read;
 pub mod reader;
 pub mod run;
+pub mod sample;
 pub mod scene;
 pub mod schedule;
 pub mod signals;

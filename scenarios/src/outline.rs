@@ -10,7 +10,9 @@ use nbody::points::{Columns, Dimension, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
 use crate::run::RunError;
-use crate::scene::{BodyDrag, Collisions, Eos, Formulation, Scene, Viscosity};
+use crate::scene::{
+    BodyDrag, Collisions, Cooling, CoolingTime, Eos, Formulation, Scene, Viscosity,
+};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -117,8 +119,19 @@ fn method(scene: &Scene) -> Option<String> {
         Eos::Tabulated { file, .. } => format!("tabulated in {}", file.display()),
         other => other.name().replace('-', " "),
     };
+    let cooling = match &gas.cooling {
+        Cooling::None => String::new(),
+        Cooling::Beta { beta, floor } => {
+            let floor = if floor.is_some() { ", to a floor" } else { "" };
+            format!(", cooling in {beta} / Omega{floor}")
+        }
+        Cooling::Relaxation { time, .. } => match time {
+            CoolingTime::Orbital(beta) => format!(", relaxing in {beta} / Omega"),
+            CoolingTime::Time(time) => format!(", relaxing in {time} units of time"),
+        },
+    };
     Some(format!(
-        "gas: {eos}; {formulation} SPH with {} neighbours, {viscosity}{conduction}",
+        "gas: {eos}; {formulation} SPH with {} neighbours, {viscosity}{conduction}{cooling}",
         gas.hydro.neighbours
     ))
 }
@@ -201,7 +214,14 @@ fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             gas && !scene.coupling.feedback,
             "the gas's reaction to drag",
         ),
-        (gas, "cooling, magnetic fields, radiation"),
+        (
+            gas && scene
+                .gas
+                .as_ref()
+                .is_some_and(|gas| gas.cooling == Cooling::None),
+            "cooling",
+        ),
+        (gas, "magnetic fields, radiation"),
         (
             !system.dust.is_empty(),
             "growth and fragmentation of grains",

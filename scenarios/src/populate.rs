@@ -4,8 +4,9 @@ use std::fmt;
 
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
+use gas::cooling::{Duration, Profile};
 use gas::eos::tillotson::MATERIALS;
-use gas::{Conduction, Eos, Formulation, Gas, Hydro, Particles, Precision, Viscosity};
+use gas::{Conduction, Cooling, Eos, Formulation, Gas, Hydro, Particles, Precision, Viscosity};
 use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
@@ -92,6 +93,36 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
         courant: gas.hydro.courant,
         force_factor: scene.accuracy.acceleration_step,
         ..Hydro::new(scene.domain, eos)
+    }
+}
+
+/// How the scene's gas cools; none if it does not.
+pub fn cooling(gas: &scene::Gas) -> Option<Cooling> {
+    let scene::Eos::Ideal { gamma } = gas.eos else {
+        return None;
+    };
+    let profile = |towards: &scene::Temperature| Profile {
+        sound_speed: towards.sound_speed,
+        radius: towards.reference_radius,
+        exponent: towards.exponent,
+    };
+    match &gas.cooling {
+        scene::Cooling::None => None,
+        scene::Cooling::Beta { beta, floor } => Some(Cooling {
+            duration: Duration::Orbital(*beta),
+            profile: floor.as_ref().map(profile),
+            warms: false,
+            gamma,
+        }),
+        scene::Cooling::Relaxation { time, towards } => Some(Cooling {
+            duration: match *time {
+                scene::CoolingTime::Orbital(beta) => Duration::Orbital(beta),
+                scene::CoolingTime::Time(time) => Duration::Time(time),
+            },
+            profile: Some(profile(towards)),
+            warms: true,
+            gamma,
+        }),
     }
 }
 

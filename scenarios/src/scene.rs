@@ -204,9 +204,36 @@ impl Eos {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cooling {
     None,
+    /// In beta / Omega, down to a floor if there is one.
+    Beta {
+        beta: f64,
+        floor: Option<Temperature>,
+    },
+    /// Down and up.
+    Relaxation {
+        time: CoolingTime,
+        towards: Temperature,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CoolingTime {
+    /// In 1/Omega.
+    Orbital(f64),
+    Time(f64),
+}
+
+/// Isothermal sound speeds about the star, as those of a locally isothermal gas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Temperature {
+    pub aspect_ratio: f64,
+    /// At the reference radius.
+    pub sound_speed: f64,
+    pub exponent: f64,
+    pub reference_radius: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

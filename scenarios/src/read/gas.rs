@@ -5,11 +5,12 @@ use nbody::points::Vec3;
 use gas::KernelKind;
 
 use super::Facts;
+use super::cooling::cooling;
 use super::eos::{eos, reference_radius};
 use crate::reader::{Range, Section};
 use crate::scene::{
-    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Lattice, Precision,
-    Softening, Thermal, Viscosity,
+    Block, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Hydro, Lattice, Precision, Softening,
+    Thermal, Viscosity,
 };
 use crate::units::Kind;
 
@@ -32,6 +33,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         section.wrong("", "needs [gas.disk], [[gas.block]] or an initial.file");
     }
     let conduction = conduction(&section, &eos);
+    let cooling = cooling(&section, facts, &eos);
     let gas = Gas {
         particles: disk_particles(&section, "gas.disk", disk.is_some() || section.has("disk")),
         softening: softening(&section, Softening::SmoothingLength),
@@ -39,7 +41,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         blocks,
         eos,
         mean_molecular_weight,
-        cooling: cooling(&section),
+        cooling,
         hydro: hydro(&section, facts),
         viscosity: viscosity(&section),
         conduction,
@@ -240,21 +242,6 @@ pub fn block(section: Section<'_>, facts: &Facts) -> Block {
     };
     section.close();
     block
-}
-
-fn cooling(gas: &Section<'_>) -> Cooling {
-    let section = gas.section("cooling");
-    let kind = section.choice("kind", &[("none", Cooling::None)], &["beta"]);
-    if section.has("kind") && kind.is_none() {
-        section.pass_over(&["beta"]);
-    } else {
-        section.misplaced(
-            &["beta"],
-            "belongs to kind = \"beta\", which is not available in this version",
-        );
-    }
-    section.close();
-    Cooling::None
 }
 
 fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {

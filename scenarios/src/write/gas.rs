@@ -3,8 +3,8 @@
 use super::text::Text;
 use crate::read::gas::KERNELS;
 use crate::scene::{
-    Block, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation, Gas, Hydro,
-    Lattice, Precision, Sizes, Thermal, Viscosity,
+    Block, Cooling, CoolingTime, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation,
+    Gas, Hydro, Lattice, Precision, Sizes, Thermal, Viscosity,
 };
 
 pub fn write_gas(text: &mut Text, gas: &Gas) {
@@ -26,10 +26,7 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
             Thermal::Eos => {}
         }
     }
-    text.table("gas.cooling");
-    match gas.cooling {
-        Cooling::None => text.text("kind", "none"),
-    }
+    write_cooling(text, &gas.cooling);
     write_hydro(text, &gas.hydro);
     text.table("gas.viscosity");
     let mut viscosity = |kind, alpha, beta| {
@@ -77,6 +74,34 @@ fn write_eos(text: &mut Text, gas: &Gas) {
     }
     if let Some(weight) = gas.mean_molecular_weight {
         text.number("mean_molecular_weight", weight);
+    }
+}
+
+fn write_cooling(text: &mut Text, cooling: &Cooling) {
+    text.table("gas.cooling");
+    let towards = match cooling {
+        Cooling::None => {
+            text.text("kind", "none");
+            None
+        }
+        Cooling::Beta { beta, floor } => {
+            text.text("kind", "beta");
+            text.number("beta", *beta);
+            floor.as_ref()
+        }
+        Cooling::Relaxation { time, towards } => {
+            text.text("kind", "relaxation");
+            match time {
+                CoolingTime::Orbital(beta) => text.number("beta", *beta),
+                CoolingTime::Time(time) => text.number("time", *time),
+            }
+            Some(towards)
+        }
+    };
+    if let Some(towards) = towards {
+        text.number("aspect_ratio", towards.aspect_ratio);
+        text.number("exponent", towards.exponent);
+        text.number("reference_radius", towards.reference_radius);
     }
 }
 
