@@ -16,6 +16,7 @@ fn scenes(kind: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("the folder of inputs");
     let mut paths: Vec<PathBuf> = entries
         .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|kind| kind == "toml"))
         .collect();
     paths.sort();
     paths

@@ -11,6 +11,7 @@ mod dust {
 }
 mod gas {
     mod allocation;
+    mod cooling;
     mod sedov;
     mod shearing;
     mod shock_tube;

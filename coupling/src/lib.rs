@@ -3,6 +3,7 @@
 //! A step is a visible list of operators, composed symmetrically (Strang 1968); what a scene leaves out is not in the list.
 
 pub mod accretion;
+pub mod cooling;
 pub mod drag;
 pub mod drift;
 pub mod external;

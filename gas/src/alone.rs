@@ -26,7 +26,7 @@ pub fn advance(
 ) -> Result<Account, Fault> {
     let mut account = Account::default();
     let mut clock = Clock::standing(time);
-    let hydro = &mut hydro.at(time);
+    let hydro = &mut hydro.clone().at(time);
     gas.density(hydro, &clock, Vec3::zeros())?;
     gas.rates.next_span.fill(0);
     gas.forces(hydro, &clock, &clock);
@@ -37,7 +37,7 @@ pub fn advance(
             true => clock.next_base(until, base),
             false => clock,
         };
-        *hydro = hydro.at(clock.time());
+        hydro.domain = hydro.domain.at(clock.time());
         let updates = gas.density(hydro, &clock, Vec3::zeros())?;
         gas.steps(hydro, &clock, &next, &Pacing::free(f64::INFINITY))?;
         let targets = gas.forces(hydro, &clock, &next);

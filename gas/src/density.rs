@@ -41,10 +41,20 @@ impl Gas {
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
     pub fn density(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         self.look(hydro, clock);
-        let settled = self.density_near(hydro, clock, centre)?;
-        if self.beyond.is_empty() {
-            return Ok(settled);
+        if hydro.eos.follows_density() && self.derived.rho.first() == Some(&0.0) {
+            // New gas: the sums look at sound speeds, which nobody knows before the first.
+            self.density_near(hydro, clock, centre)?;
         }
+        let settled = self.density_near(hydro, clock, centre)?;
+        if !self.beyond.is_empty() {
+            self.density_far(hydro, clock, centre)?;
+        }
+        self.states_exist(hydro, clock)?;
+        Ok(settled)
+    }
+
+    /// The density of the active particles that are listed in `beyond`.
+    fn density_far(&mut self, hydro: &Hydro, clock: &Clock, centre: Vec3) -> Result<usize, Fault> {
         // Gas that thinned out faster than predicted is sought among all.
         self.look_far(hydro, clock);
         self.thermal_state(hydro, centre);
@@ -53,8 +63,29 @@ impl Gas {
         let found = self.density_by(hydro, (clock, centre), Some(&late));
         late.clear();
         self.beyond = late;
-        // Those listed were counted before.
-        found.map(|_| settled)
+        found
+    }
+
+    /// A fault for the first active particle that the equation of state has no pressure or sound speed for.
+    fn states_exist(&self, hydro: &Hydro, clock: &Clock) -> Result<(), Fault> {
+        if hydro.eos.is_everywhere() {
+            return Ok(());
+        }
+        let (p, cs) = (&self.derived.p, &self.derived.cs);
+        let lost = |i: &&u32| {
+            let i = **i as usize;
+            !(p[i].is_finite() && cs[i].is_finite())
+        };
+        match self.vicinity.active.iter().find(lost) {
+            None => Ok(()),
+            Some(&i) => Err(Fault::NoState {
+                population: Population::Gas,
+                id: self.particles.id[i as usize],
+                density: self.derived.rho[i as usize],
+                energy: self.rates.u_pred[i as usize],
+                time: clock.time(),
+            }),
+        }
     }
 
     /// The density of the active particles as far as the vicinity goes.
@@ -134,9 +165,15 @@ impl Gas {
                 )
             };
             for (k, i) in range.enumerate() {
-                u[k] = hydro.eos.bound_energy(x[i] - centre).unwrap_or(u[k]);
+                if rho[i] == 0.0 && hydro.eos.follows_density() {
+                    // New gas, before its first sums.
+                    (p[k], cs[k]) = (0.0, 0.0);
+                    continue;
+                }
+                let bound = hydro.eos.bound_energy(x[i] - centre, rho[i]);
+                u[k] = bound.unwrap_or(u[k]);
                 p[k] = hydro.eos.pressure(rho[i], u[k]) * ratio.get(i).unwrap_or(&1.0);
-                cs[k] = hydro.eos.sound_speed(u[k]);
+                cs[k] = hydro.eos.sound_speed(rho[i], u[k]);
             }
         });
     }
@@ -176,13 +213,12 @@ impl Gas {
             h: &mut particles.h,
             alpha: &mut particles.alpha,
             trace_v: &mut particles.trace_v,
+            u: &mut self.rates.u_pred,
         };
-        let (u, begin) = (&self.rates.u_pred, &particles.begin);
         let seen = Seen {
             x: &particles.x,
             centre,
-            u,
-            begin,
+            begin: &particles.begin,
         };
         let out = Out::new((hydro, clock, &units), state, derived, seen);
         let root = &self.tree.nodes[0];

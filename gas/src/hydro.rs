@@ -12,7 +12,7 @@ pub const UNLIMITED: u32 = u32::MAX;
 const LEAST: f64 = 1e-14;
 
 /// What the gas of a scene is and how it is solved; constant over a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Hydro {
     pub domain: Domain,
     pub formulation: Formulation,
@@ -85,13 +85,25 @@ impl Hydro {
         self.domain.dimensions()
     }
 
+    /// The setting that the equation of state cannot stand beside: sums of pressure and conduction take P/rho and u from the sound speed.
+    pub fn unsuited(&self) -> Option<&'static str> {
+        if self.eos.follows_sound_speed() {
+            return None;
+        }
+        match (self.formulation, self.conduction.alpha > 0.0) {
+            (Formulation::Pressure, _) => Some("hydro.formulation"),
+            (_, true) => Some("conduction.alpha"),
+            _ => None,
+        }
+    }
+
     /// Whether heat is conducted.
     pub fn conducts(&self) -> bool {
         assert!(
             self.conduction.alpha >= 0.0,
             "heat is conducted from the hotter to the colder"
         );
-        self.conduction.alpha > 0.0 && self.eos.is_free()
+        self.conduction.alpha > 0.0 && self.eos.is_free() && self.eos.follows_sound_speed()
     }
 
     /// Whether particles bring a stress into pairs: a viscous one, or a pressure whose gradient is corrected.

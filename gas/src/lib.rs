@@ -2,6 +2,7 @@
 
 pub mod alone;
 pub mod conduction;
+pub mod cooling;
 pub mod density;
 pub mod eos;
 mod field;
@@ -25,7 +26,8 @@ pub mod viscosity;
 mod workspace;
 
 pub use conduction::Conduction;
-pub use eos::Eos;
+pub use cooling::Cooling;
+pub use eos::{Barotropic, Eos, Stiffened, Table, Tillotson};
 pub use formulation::Formulation;
 pub use gradients::Gradient;
 pub use hydro::{Hydro, UNLIMITED};

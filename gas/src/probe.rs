@@ -2,16 +2,18 @@
 //!
 //! rho(x) = sum_j m_j W(|x_j - x|, h), with h such that (4 pi/3) H^3 sum_j W = neighbours (pi H^2 in two dimensions), H the radius of the
 //! kernel (Wendland C2). A field f is f(x) = sum_j w_j f_j with the weights of [`Weights`], exact for fields that are linear in space.
-//! Points further than the largest H from all gas see none: density 0.
+//! Points further than the largest H from all gas see none: density 0. Gradients are least squares over the neighbours, f_j against r_j with
+//! weights |w_j|: exact for linear fields too, also at an edge.
 
 mod candidates;
 mod near;
 mod weights;
 
+use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
 pub use candidates::Candidates;
-pub use weights::{Shape, Weights, radius};
+pub use weights::{Leverage, Shape, Weights, radius};
 
 use crate::Gas;
 
@@ -36,6 +38,21 @@ pub struct Sample {
     /// isothermal sound speed
     pub c: f64,
     /// smoothing length used
+    pub h: f64,
+}
+
+/// Gas at a point with its gradients, by its particles' own densities and pressures instead of a sum at the point: exact for linear fields
+/// wherever the weights are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Local {
+    /// How the weights came about: `Linear` inside the gas, `Empty` without any.
+    pub shape: Shape,
+    pub rho: f64,
+    pub v: Vec3,
+    pub p: f64,
+    /// Gradient of the density, and dv_i/dx_j in row i and column j; not numbers where the gas near the point fills no volume.
+    pub grad_rho: Vec3,
+    pub grad_v: Matrix3<f64>,
     pub h: f64,
 }
 
@@ -69,6 +86,40 @@ impl Probe {
             c: weights.positive(|j| isothermal(gas, j)).sqrt(),
             h: weights.h,
         }
+    }
+
+    /// Gas at `x` with gradients; `guess` as in [`Probe::sample`].
+    pub fn local(
+        &mut self,
+        gas: &Gas,
+        domain: &Domain,
+        (x, guess): (Vec3, f64),
+        reach: &Reach,
+    ) -> Local {
+        let weights = &mut self.weights;
+        weights.find(&mut self.candidates, gas, domain, (x, guess), reach);
+        let (rho, v) = (&gas.derived.rho, &gas.rates.v_pred);
+        let lost = (Vec3::repeat(f64::NAN), Matrix3::repeat(f64::NAN));
+        let (grad_rho, grad_v) = weights.leverage(domain).map_or(lost, |leverage| {
+            let rows =
+                [0, 1, 2].map(|i| weights.gradient(domain, &leverage, |j| v[j][i]).transpose());
+            let grad_rho = weights.gradient(domain, &leverage, |j| rho[j]);
+            (grad_rho, Matrix3::from_rows(&rows))
+        });
+        Local {
+            shape: weights.shape,
+            rho: weights.scalar(|j| rho[j]),
+            v: weights.vector(|j| v[j]),
+            p: weights.scalar(|j| gas.derived.p[j]),
+            grad_rho,
+            grad_v,
+            h: weights.h,
+        }
+    }
+
+    /// A scalar field of the gas at the point that was sampled last.
+    pub fn scalar(&self, field: impl Fn(usize) -> f64) -> f64 {
+        self.weights.scalar(field)
     }
 }
 

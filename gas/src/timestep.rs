@@ -44,6 +44,14 @@ impl Heat {
     }
 }
 
+impl std::ops::Add for Heat {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.and(other)
+    }
+}
+
 /// The shortest step, and the first particle that has it.
 #[derive(Clone, Copy)]
 struct Shortest {

@@ -3,6 +3,7 @@
 //! Ids are consecutive over all populations: the star has 0, then come planets, planetesimals, gas and dust.
 
 use coupling::accretion::{Accretion, Collisions};
+use coupling::cooling::CoolGas;
 use coupling::drag::{BodyDrag, DustDrag};
 use coupling::drift::{
     Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
@@ -257,8 +258,13 @@ fn operators(
     let moving = bodies && (gas || dust || !system.bodies.is_empty());
     let hydro = scene.gas.as_ref().map(|g| populate::hydro(scene, g));
     let mut list: Vec<Box<dyn Operator>> = Vec::new();
-    if let Some(hydro) = hydro.filter(|_| gas) {
+    if let Some(hydro) = hydro.clone().filter(|_| gas) {
         list.push(Box::new(Density { hydro }));
+        // Closes after all that heats the gas.
+        let cooling = scene.gas.as_ref().and_then(populate::cooling);
+        if let Some(cooling) = cooling {
+            list.push(Box::new(CoolGas { cooling }));
+        }
     }
     let plan = plan(scene, integrator, step);
     let mut drift = DriftGas {
@@ -272,12 +278,12 @@ fn operators(
         list.push(Box::new(gravity));
     }
     if let (true, true, Some(d), Some(hydro)) =
-        (gas, dust && scene.coupling.gas_dust, &scene.dust, hydro)
+        (gas, dust && scene.coupling.gas_dust, &scene.dust, &hydro)
     {
         drift.always = true;
         list.push(Box::new(DustDrag::new(
             populate::dust_law(scene, d),
-            &hydro,
+            hydro,
             scene.coupling.feedback,
         )));
     }
@@ -285,12 +291,12 @@ fn operators(
         gas,
         scene.coupling.gas_planetesimals,
         &scene.planetesimals,
-        hydro,
+        &hydro,
     ) {
         drift.always = true;
         list.push(Box::new(BodyDrag::new(
             populate::body_law(scene, p),
-            &hydro,
+            hydro,
             scene.coupling.feedback,
         )));
     }

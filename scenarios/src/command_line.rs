@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
-use crate::{info, memory, new, outline, plot, signals, verify};
+use crate::{info, memory, new, outline, plot, sample, signals, verify};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -24,6 +24,7 @@ use crate::{info, memory, new, outline, plot, signals, verify};
   tridisk resume runs/disk --end-time \"5 yr\"    go on where a run stopped
   tridisk info runs/disk/snapshot_0003.hdf5     what a file holds
   tridisk plot runs/disk                        pictures of the newest snapshot and the ledger
+  tridisk sample runs/disk/snapshot_0003.hdf5 points.txt   gas and its gradients at points
   tridisk verify stirring                       a built-in problem against its published answer
 
 Exit status: 0 done, 1 the run failed, 2 the scene or the arguments are wrong, 130 and 143 interrupted."
@@ -71,6 +72,18 @@ enum Command {
         path: PathBuf,
         /// Folder for the pictures; that of the snapshot if not given
         #[arg(long)]
+        output: Option<PathBuf>,
+    },
+    /// Print density, velocity, temperature and gradients of a snapshot's gas at given points, as CSV
+    #[command(
+        after_help = "Example:\n  echo 1.0 0.2 0.0 | tridisk sample runs/disk/snapshot_0003.hdf5 -"
+    )]
+    Sample {
+        snapshot: PathBuf,
+        /// Text of x y z a line, in code units of the snapshot; `-` for standard input
+        points: PathBuf,
+        /// Write an HDF5 file instead
+        #[arg(long, value_name = "FILE.hdf5")]
         output: Option<PathBuf>,
     },
     /// Run built-in problems against their exact or published answers and print tables; all of them without a name
@@ -212,6 +225,15 @@ fn look(command: Command) -> Result<(), Failure> {
             }
             let sentence = "a problem has left its acceptable bars";
             Err(Failure::Failed(sentence.to_owned()))
+        }
+        Command::Sample {
+            snapshot,
+            points,
+            output,
+        } => {
+            let samples = sample::sample(&snapshot, &points, output.as_deref());
+            print!("{}", samples.map_err(Failure::Refused)?);
+            Ok(())
         }
         Command::Run(_) | Command::Resume(_) => unreachable!("these two run something"),
     }

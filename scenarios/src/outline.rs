@@ -11,7 +11,7 @@ use nbody::points::{Columns, Dimension, clock::TICKS};
 use crate::assemble::{self, Assembly};
 use crate::read::gas::{FORMULATIONS, name_of, viscosity_name};
 use crate::run::RunError;
-use crate::scene::{BodyDrag, Collisions, Gradient, Physical, Scene};
+use crate::scene::{BodyDrag, Collisions, Cooling, CoolingTime, Eos, Gradient, Physical, Scene};
 
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
@@ -115,8 +115,27 @@ fn method(scene: &Scene) -> Option<String> {
     } else {
         String::new()
     };
+    let eos = match &gas.eos {
+        Eos::Ideal { gamma } => format!("ideal, gamma = {gamma}"),
+        Eos::Barotropic(law) => format!("barotropic, gamma = {} when dense", law.gamma),
+        Eos::Stiffened(law) => format!("stiffened, gamma = {}", law.gamma),
+        Eos::Tillotson { material } => format!("Tillotson's {material}"),
+        Eos::Tabulated { file, .. } => format!("tabulated in {}", file.display()),
+        other => other.name().replace('-', " "),
+    };
+    let cooling = match &gas.cooling {
+        Cooling::None => String::new(),
+        Cooling::Beta { beta, floor } => {
+            let floor = if floor.is_some() { ", to a floor" } else { "" };
+            format!(", cooling in {beta} / Omega{floor}")
+        }
+        Cooling::Relaxation { time, .. } => match time {
+            CoolingTime::Orbital(beta) => format!(", relaxing in {beta} / Omega"),
+            CoolingTime::Time(time) => format!(", relaxing in {time} units of time"),
+        },
+    };
     Some(format!(
-        "gas: SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}",
+        "gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{cooling}",
         gas.hydro.neighbours
     ))
 }
@@ -219,7 +238,14 @@ fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             gas && !scene.coupling.feedback,
             "the gas's reaction to drag",
         ),
-        (gas, "cooling, magnetic fields, radiation"),
+        (
+            gas && scene
+                .gas
+                .as_ref()
+                .is_some_and(|gas| gas.cooling == Cooling::None),
+            "cooling",
+        ),
+        (gas, "magnetic fields, radiation"),
         (
             !system.dust.is_empty(),
             "growth and fragmentation of grains",

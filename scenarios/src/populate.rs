@@ -4,12 +4,14 @@ use std::fmt;
 
 use coupling::System;
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
-use gas::{Conduction, Eos, Gas, Hydro, Particles};
+use gas::cooling::{Duration, Profile};
+use gas::eos::tillotson::MATERIALS;
+use gas::{Conduction, Cooling, Eos, Gas, Hydro, Particles};
 use nbody::collisions::{Law, Limits, Restitution, Strength};
 use nbody::gravity::{Accuracy, Gravity, Method, Settings};
 use nbody::points::columns::append;
 use nbody::points::random::Purpose;
-use nbody::points::{Columns, Vec3};
+use nbody::points::{Columns, Dimension, Vec3};
 use nbody::{Bodies, Kind};
 
 use crate::initial::belt::{self, Belt, Body, Centre, Elements};
@@ -32,12 +34,11 @@ impl fmt::Display for Refusal {
 /// The adiabatic index that gas of a prescribed temperature counts its internal energy with.
 const GAMMA_BOUND: f64 = 5.0 / 3.0;
 
-/// The settings of the hydrodynamics of a scene's gas.
-pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
-    let eos = match gas.eos {
-        scene::Eos::Ideal { gamma, .. } => Eos::Ideal { gamma },
-        scene::Eos::Isothermal { sound_speed, .. } => Eos::Isothermal {
-            sound_speed,
+fn eos(scene: &Scene, eos: &scene::Eos) -> Eos {
+    match eos {
+        scene::Eos::Ideal { gamma } => Eos::Ideal { gamma: *gamma },
+        scene::Eos::Isothermal { sound_speed } => Eos::Isothermal {
+            sound_speed: *sound_speed,
             gamma: GAMMA_BOUND,
         },
         scene::Eos::LocallyIsothermal {
@@ -46,12 +47,27 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
             reference_radius,
             ..
         } => Eos::LocallyIsothermal {
-            sound_speed,
-            radius: reference_radius,
-            exponent,
+            sound_speed: *sound_speed,
+            radius: *reference_radius,
+            exponent: *exponent,
             gamma: GAMMA_BOUND,
         },
-    };
+        scene::Eos::Barotropic(law) => Eos::Barotropic(*law),
+        scene::Eos::Stiffened(law) => Eos::Stiffened(*law),
+        scene::Eos::Tillotson { material } => {
+            let found = MATERIALS.iter().find(|(name, _)| name == material);
+            let (_, law) = found.expect("a material of the list");
+            let units = &scene.units;
+            let unit = |dimension| units.cgs(dimension);
+            Eos::Tillotson(law.in_units(unit(Dimension::DENSITY), unit(Dimension::SPECIFIC_ENERGY)))
+        }
+        scene::Eos::Tabulated { table, .. } => Eos::Tabulated(table.clone()),
+    }
+}
+
+/// The settings of the hydrodynamics of a scene's gas.
+pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
+    let eos = eos(scene, &gas.eos);
     Hydro {
         kernel: gas.hydro.kernel,
         neighbours: gas.hydro.neighbours,
@@ -72,26 +88,40 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
     }
 }
 
-fn molecular_weight(gas: &scene::Gas) -> f64 {
-    match gas.eos {
-        scene::Eos::Ideal {
-            mean_molecular_weight,
-            ..
-        }
-        | scene::Eos::Isothermal {
-            mean_molecular_weight,
-            ..
-        }
-        | scene::Eos::LocallyIsothermal {
-            mean_molecular_weight,
-            ..
-        } => mean_molecular_weight,
+/// How the scene's gas cools; none if it does not.
+pub fn cooling(gas: &scene::Gas) -> Option<Cooling> {
+    let scene::Eos::Ideal { gamma } = gas.eos else {
+        return None;
+    };
+    let profile = |towards: &scene::Temperature| Profile {
+        sound_speed: towards.sound_speed,
+        radius: towards.reference_radius,
+        exponent: towards.exponent,
+    };
+    match &gas.cooling {
+        scene::Cooling::None => None,
+        scene::Cooling::Beta { beta, floor } => Some(Cooling {
+            duration: Duration::Orbital(*beta),
+            profile: floor.as_ref().map(profile),
+            warms: false,
+            gamma,
+        }),
+        scene::Cooling::Relaxation { time, towards } => Some(Cooling {
+            duration: match *time {
+                scene::CoolingTime::Orbital(beta) => Duration::Orbital(beta),
+                scene::CoolingTime::Time(time) => Duration::Time(time),
+            },
+            profile: Some(profile(towards)),
+            warms: true,
+            gamma,
+        }),
     }
 }
 
 /// Molecules of the scene's gas in its units: mass from the mean molecular weight, cross section of H2.
 pub fn molecules(scene: &Scene) -> Molecules {
-    molecules_of(scene, scene.gas.as_ref().map_or(2.34, molecular_weight))
+    let weight = scene.gas.as_ref().and_then(|gas| gas.mean_molecular_weight);
+    molecules_of(scene, weight.unwrap_or(2.34))
 }
 
 /// Molecules of mean weight `mu`.
@@ -396,7 +426,10 @@ fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
         let mut made = initial::gas(x, vec![h; n], mass, first);
         streaming(scene, b.block.velocity, &made.x, &mut made.v);
         made.u.fill(match b.thermal {
-            scene::Thermal::Pressure(p) => p / ((hydro.eos.gamma() - 1.0) * b.block.density),
+            scene::Thermal::Pressure(p) => {
+                let u = hydro.eos.energy(b.block.density, p);
+                u.expect("a formula, where a scene may give a pressure")
+            }
             scene::Thermal::InternalEnergy(u) => u,
             scene::Thermal::Eos => 0.0,
         });

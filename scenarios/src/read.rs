@@ -1,7 +1,9 @@
 //! Reading a scene: from a TOML text and `--set` overrides to a resolved `Scene`, or everything that is wrong with it.
 
 mod bodies;
+mod cooling;
 mod dust;
+mod eos;
 mod frame;
 pub mod gas;
 pub mod gravity;
@@ -103,6 +105,8 @@ pub struct Facts {
     has_disk: bool,
     has_planets: bool,
     preset: Preset,
+    /// Where files of the scene are looked for.
+    folder: PathBuf,
 }
 
 impl Facts {
@@ -147,6 +151,7 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         has_disk: root.section("gas").has("disk"),
         has_planets: root.has("planet"),
         preset: accuracy.preset,
+        folder: folder.to_path_buf(),
     };
     let gas = gas::gas(&root, &facts);
     let dust = dust::dust(&root, &facts, gas.as_ref());

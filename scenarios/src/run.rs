@@ -219,7 +219,7 @@ impl Run {
         self.folder.events(&mut self.system.events)?;
         saved::write(
             &self.folder.path("checkpoint.hdf5"),
-            &self.system,
+            (&self.scene, &self.system),
             &self.watch,
             self.folder.rows()?,
         )?;

@@ -4,6 +4,7 @@
 //! not modelled is `None` here and nowhere else. Made by `Scene::load` or `Scene::parse`; trusted by everything that follows.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 pub use gas::{Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
@@ -96,6 +97,8 @@ pub struct Gas {
     pub disk: Option<Disk>,
     pub blocks: Vec<GasBlock>,
     pub eos: Eos,
+    /// None of what is no gas.
+    pub mean_molecular_weight: Option<f64>,
     pub cooling: Cooling,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
@@ -160,15 +163,13 @@ pub enum Thermal {
     Eos,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Eos {
     Ideal {
         gamma: f64,
-        mean_molecular_weight: f64,
     },
     Isothermal {
         sound_speed: f64,
-        mean_molecular_weight: f64,
     },
     /// c_s = sound_speed (R / reference_radius)^-exponent, R the distance from the star in the disk's plane.
     LocallyIsothermal {
@@ -177,13 +178,73 @@ pub enum Eos {
         sound_speed: f64,
         exponent: f64,
         reference_radius: f64,
-        mean_molecular_weight: f64,
+    },
+    Barotropic(gas::Barotropic),
+    Stiffened(gas::Stiffened),
+    /// One of the materials that are known by name.
+    Tillotson {
+        material: &'static str,
+    },
+    /// `table` is what stands in the file, an absolute path, in code units.
+    Tabulated {
+        file: PathBuf,
+        table: Arc<gas::Table>,
     },
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+impl Eos {
+    /// The word that scenes know it by.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Ideal { .. } => "ideal",
+            Self::Isothermal { .. } => "isothermal",
+            Self::LocallyIsothermal { .. } => "locally-isothermal",
+            Self::Barotropic(_) => "barotropic",
+            Self::Stiffened(_) => "stiffened",
+            Self::Tillotson { .. } => "tillotson",
+            Self::Tabulated { .. } => "tabulated",
+        }
+    }
+
+    /// Whether the internal energy follows from heating and work alone.
+    pub fn is_free(&self) -> bool {
+        !matches!(
+            self,
+            Self::Isothermal { .. } | Self::LocallyIsothermal { .. } | Self::Barotropic(_)
+        )
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cooling {
     None,
+    /// In beta / Omega, down to a floor if there is one.
+    Beta {
+        beta: f64,
+        floor: Option<Temperature>,
+    },
+    /// Down and up.
+    Relaxation {
+        time: CoolingTime,
+        towards: Temperature,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CoolingTime {
+    /// In 1/Omega.
+    Orbital(f64),
+    Time(f64),
+}
+
+/// Isothermal sound speeds about the star, as those of a locally isothermal gas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Temperature {
+    pub aspect_ratio: f64,
+    /// At the reference radius.
+    pub sound_speed: f64,
+    pub exponent: f64,
+    pub reference_radius: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -186,9 +186,14 @@ fn hydro_scheme(group: &Folder, scene: &Scene) -> Result<()> {
     write_text(group, "Kernel function", kernel)?;
     write_number(group, "Kernel target N_ngb", gas.hydro.neighbours)?;
     write_number(group, "CFL parameter", gas.hydro.courant)?;
-    let gamma = match gas.eos {
-        Eos::Ideal { gamma, .. } => gamma,
+    write_text(group, "Equation of state", gas.eos.name())?;
+    let gamma = match &gas.eos {
+        Eos::Ideal { gamma } => *gamma,
         Eos::Isothermal { .. } | Eos::LocallyIsothermal { .. } => 1.0,
+        Eos::Barotropic(law) => law.gamma,
+        Eos::Stiffened(law) => law.gamma,
+        // No number says what these do.
+        Eos::Tillotson { .. } | Eos::Tabulated { .. } => return Ok(()),
     };
     write_number(group, "Adiabatic index", gamma)
 }

@@ -7,7 +7,7 @@ use nbody::points::Vec3;
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
-    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, Eos, Gas, GasDisk,
+    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, DustDrag, Eos, Gas, GasDisk,
     Integrator, Mass, Orbit, Planetesimals, Scene, Sizes,
 };
 use crate::units::System;
@@ -159,6 +159,7 @@ fn gas_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
         .map(|entry| block_number(scene, &entry.block))
         .sum();
     too_many(total + gas.particles as f64, "gas.block", complaints);
+    eos_rules(scene, gas, complaints);
     if let Some([alpha, beta]) = gas.viscosity.parameters()
         && alpha == 0.0
     {
@@ -173,6 +174,35 @@ fn gas_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
     }
 }
 
+/// What the equation of state allows beside it.
+fn eos_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
+    let hydro = crate::populate::hydro(scene, gas);
+    if let Some(key) = hydro.unsuited() {
+        let sentence = format!(
+            "needs a gas whose pressure and energy follow from its sound speed; gas.eos.kind = \"{}\" allows \"density\" and no conduction",
+            gas.eos.name()
+        );
+        complaints.say(&format!("gas.{key}"), &sentence);
+    }
+    if gas.mean_molecular_weight.is_some() {
+        return;
+    }
+    let sentence = "needs a gas with molecules; allowed in this gas.eos are laws of constant times and numbers";
+    if scene.coupling.gas_dust
+        && scene
+            .dust
+            .as_ref()
+            .is_some_and(|dust| dust.drag == DustDrag::Epstein)
+    {
+        complaints.say("dust.drag.law", sentence);
+    }
+    if scene.coupling.gas_planetesimals
+        && (scene.planetesimals.as_ref()).is_some_and(|bodies| bodies.drag == BodyDrag::Adachi)
+    {
+        complaints.say("planetesimals.drag.law", sentence);
+    }
+}
+
 fn disk_rules(scene: &Scene, disk: &Disk, complaints: &Complaints<'_>) {
     if disk.inner_radius >= disk.outer_radius {
         complaints.say(
@@ -184,7 +214,7 @@ fn disk_rules(scene: &Scene, disk: &Disk, complaints: &Complaints<'_>) {
         complaints.say("gas.disk", "needs an open domain");
     }
     if disk.aspect_ratio > 0.5 {
-        let key = match scene.gas.as_ref().map(|gas| gas.eos) {
+        let key = match scene.gas.as_ref().map(|gas| &gas.eos) {
             Some(Eos::Ideal { .. }) => "gas.disk.aspect_ratio",
             Some(Eos::Isothermal { .. }) => "gas.eos.sound_speed",
             _ => "gas.eos.aspect_ratio",

@@ -5,6 +5,7 @@ use nbody::points::sum::Parts;
 use nbody::points::{Clock, Vec3};
 
 use super::sums::Local;
+use crate::eos::Binding;
 use crate::units::Units;
 use crate::viscosity::Flow;
 use crate::viscosity::cullen_dehnen::{Compression, decay};
@@ -18,6 +19,9 @@ struct Columns<'a> {
     alpha: Parts<'a, f64>,
     rho: Parts<'a, f64>,
     p: Parts<'a, f64>,
+    cs: Parts<'a, f64>,
+    /// Predicted.
+    u: Parts<'a, f64>,
     /// Empty where pressure follows from density and energy.
     p_ratio: Parts<'a, f64>,
     grad_h: Parts<'a, f64>,
@@ -38,7 +42,6 @@ pub struct Seen<'a> {
     pub x: &'a [Vec3],
     /// The star.
     pub centre: Vec3,
-    pub u: &'a [f64],
     pub begin: &'a [u32],
 }
 
@@ -47,13 +50,14 @@ pub struct State<'a> {
     pub h: &'a mut [f64],
     pub alpha: &'a mut [f64],
     pub trace_v: &'a mut [f64],
+    /// Predicted.
+    pub u: &'a mut [f64],
 }
 
 /// Where results go, and what they follow from beside the sums.
 pub struct Out<'a> {
     hydro: &'a Hydro,
     columns: Columns<'a>,
-    cs: &'a [f64],
     seen: Seen<'a>,
     tick: u32,
     /// Length of a tick.
@@ -79,6 +83,8 @@ impl<'a> Out<'a> {
                 alpha: Parts::new(state.alpha),
                 rho: Parts::new(&mut derived.rho),
                 p: Parts::new(&mut derived.p),
+                cs: Parts::new(&mut derived.cs),
+                u: Parts::new(state.u),
                 p_ratio: Parts::new(&mut derived.p_ratio),
                 grad_h: Parts::new(&mut derived.grad_h),
                 div_v: Parts::new(&mut derived.div_v),
@@ -95,7 +101,6 @@ impl<'a> Out<'a> {
                     Parts::new(&mut derived.stress_off),
                 ],
             },
-            cs: &derived.cs,
             seen,
             tick: clock.tick,
             unit: clock.unit(),
@@ -117,10 +122,11 @@ impl<'a> Out<'a> {
     pub fn write(&self, i: usize, local: &Local, reach: f64) {
         let rate = self.velocity / self.length;
         let rho = local.rho * self.density;
+        let (p, cs) = self.thermal(i, rho);
         let flow = Flow {
             div_v: local.div_v * rate,
             curl_v: local.curl_v * rate,
-            cs: self.cs[i],
+            cs,
             h: reach * self.h_by_reach,
         };
         let mut v_sig = local.v_sig * self.velocity;
@@ -129,7 +135,6 @@ impl<'a> Out<'a> {
         } else {
             self.alpha(i, local, flow, reach)
         };
-        let p = self.hydro.eos.pressure(rho, self.seen.u[i]);
         let (own, out) = (i..i + 1, &self.columns);
         // SAFETY: a branch's task alone touches the branch's particles.
         unsafe {
@@ -152,6 +157,21 @@ impl<'a> Out<'a> {
             // Infinite without neighbours: the cast saturates.
             out.near_span.part(own)[0] = local.near_span as u32;
         }
+    }
+
+    /// Pressure and sound speed at the density `rho` that particle i turns out to have; u goes with it where it is bound to density.
+    #[inline(always)]
+    fn thermal(&self, i: usize, rho: f64) -> (f64, f64) {
+        let (own, out, eos) = (i..i + 1, &self.columns, &self.hydro.eos);
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let (u, cs) = unsafe { (out.u.part(own.clone()), out.cs.part(own)) };
+        if eos.follows_density() {
+            if eos.binding() == Binding::Density {
+                u[0] = eos.bound_energy(Vec3::zeros(), rho).unwrap_or(u[0]);
+            }
+            cs[0] = eos.sound_speed(rho, u[0]);
+        }
+        (eos.pressure(rho, u[0]), cs[0])
     }
 
     /// The viscosity parameter at the end of the step that has passed.

@@ -113,7 +113,7 @@ fn sums_equal_those_over_all_pairs() {
         for formulation in Formulation::ALL {
             check_against_direct_sums::<WendlandC2>(&Hydro {
                 formulation,
-                ..hydro
+                ..hydro.clone()
             });
         }
         hydro.kernel = KernelKind::CubicSpline;
@@ -208,7 +208,7 @@ fn the_velocity_gradient_changes_no_other_sum() {
                 alpha: 1.0,
                 beta: 2.0,
             },
-            ..without
+            ..without.clone()
         };
         let gas = noisy(&domain, 12, 0.5);
         let (without, with) = (settled(gas.clone(), &without), settled(gas, &with));

@@ -275,7 +275,7 @@ fn conducted_heat_is_the_sum_over_all_pairs() {
         };
         let with = Hydro {
             conduction: Conduction { alpha },
-            ..without
+            ..without.clone()
         };
         let gas = noisy(&domain, 8, 0.7);
         let (without, gas) = (pushed(gas.clone(), &without), pushed(gas, &with));
@@ -327,7 +327,7 @@ fn heat_is_conducted_down_the_slope_of_temperature_and_none_is_lost() {
     for _ in 0..40 {
         gas = pushed(gas, &hydro);
         // A quarter of the time that a signal takes through a smoothing length.
-        let dt = 0.25 * gas.particles.h[0] / hydro.eos.sound_speed(1.05);
+        let dt = 0.25 * gas.particles.h[0] / hydro.eos.sound_speed(1.0, 1.05);
         for i in 0..gas.len() {
             gas.rates.u_pred[i] += dt * gas.rates.du[i];
         }

@@ -131,3 +131,39 @@ fn far_from_all_gas_and_without_any_there_is_none() {
     let sample = probe.sample(&one, &Domain::open(), Vec3::repeat(1.0), 0.0, &REACH);
     assert!(sample.rho > 0.0 && sample.v == one.particles.v[0]);
 }
+
+#[test]
+fn gradients_of_linear_fields_are_exact_inside_and_at_an_edge() {
+    let slope = Vec3::new(0.3, -0.5, 0.2);
+    for axes in [[true; 3], [true, true, false], [true, false, true]] {
+        let domain = Domain::open().with_axes(axes);
+        let mut gas = gas(4000, axes, false);
+        for i in 0..gas.len() {
+            gas.derived.rho[i] = 2.0 + slope.dot(&domain.in_plane(gas.particles.x[i]));
+        }
+        let of = linear(Vec3::zeros());
+        let column = |axis: usize| linear(Vec3::ith(axis, 1.0)) - of;
+        for x in [Vec3::new(0.47, 0.61, 0.43), Vec3::new(0.01, 0.99, 0.98)] {
+            let local = Probe::default().local(&gas, &domain, (x, 0.0), &REACH);
+            for axis in 0..3 {
+                let there = if axes[axis] { 1.0 } else { 0.0 };
+                let error = local.grad_v.column(axis) - there * column(axis);
+                assert!(error.norm() < 1e-11, "{axes:?} at {x}: {error}");
+                assert!((local.grad_rho[axis] - there * slope[axis]).abs() < 1e-11);
+            }
+            if local.shape == Shape::Linear {
+                let rho = 2.0 + slope.dot(&domain.in_plane(x));
+                assert!((local.rho - rho).abs() < 1e-13, "{}", local.rho);
+                assert!((local.v - linear(domain.in_plane(x))).norm() < 1e-13);
+                assert!((local.p - 2.25).abs() < 1e-13);
+            }
+        }
+    }
+}
+
+#[test]
+fn gas_in_a_plane_has_no_gradient_across_it() {
+    let gas = gas(400, [true; 3], true);
+    let local = Probe::default().local(&gas, &Domain::open(), (Vec3::repeat(0.5), 0.0), &REACH);
+    assert!(local.grad_rho.x.is_nan() && local.grad_v[(0, 0)].is_nan());
+}

@@ -53,6 +53,13 @@ pub struct Weights {
     relative: [Vec<f64>; 3],
 }
 
+/// How the neighbours of a point lie: what gradients there follow from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leverage {
+    centre: Vec3,
+    inverse: Matrix3<f64>,
+}
+
 /// Radius of the sphere (disc) in which a point with smoothing length `h` has its neighbours.
 pub fn radius(domain: &Domain, h: f64) -> f64 {
     Kernel::new(domain).ratio * h
@@ -316,6 +323,53 @@ impl Weights {
             .map(|k| self.weight[k] * self.arm[k].cross(&field(self.index[k] as usize)))
             .sum();
         plain - (self.inverse_inertia * spin).cross(&self.offset)
+    }
+
+    /// A scalar field of the gas, at the point.
+    pub fn scalar(&self, field: impl Fn(usize) -> f64) -> f64 {
+        let pairs = self.index.iter().zip(&self.weight);
+        pairs.map(|(&j, &w)| w * field(j as usize)).sum()
+    }
+
+    /// What gradients follow from: the inverse of sum |w| (r - b)(r - b), b = sum |w| r / sum |w|, zero along the
+    /// axes that the domain leaves out. None where the neighbours lie in a plane, or on a line of one.
+    pub fn leverage(&self, domain: &Domain) -> Option<Leverage> {
+        let places = || self.index.iter().enumerate().map(|(k, _)| self.place(k));
+        let pairs = || self.weight.iter().map(|w| w.abs()).zip(places());
+        let (mass, first) = pairs().fold((0.0, Vec3::zeros()), |(mass, first), (w, r)| {
+            (mass + w, first + w * r)
+        });
+        let centre = first / mass;
+        let mut spread = pairs().fold(Matrix3::zeros(), |sum, (w, r)| {
+            let arm = domain.in_plane(r - centre);
+            sum + w * arm * arm.transpose()
+        });
+        for axis in (0..3).filter(|&axis| !domain.axes[axis]) {
+            spread[(axis, axis)] = mass * self.h * self.h;
+        }
+        let enough = spread.determinant() > 1e-6 * (mass * self.h * self.h).powi(3);
+        let inverse = spread.try_inverse().filter(|_| enough)?;
+        Some(Leverage { centre, inverse })
+    }
+
+    /// Gradient of a scalar field of the gas at the point, by least squares: exact for linear fields.
+    pub fn gradient(
+        &self,
+        domain: &Domain,
+        leverage: &Leverage,
+        field: impl Fn(usize) -> f64,
+    ) -> Vec3 {
+        let moment = (0..self.index.len()).fold(Vec3::zeros(), |sum, k| {
+            let arm = domain.in_plane(self.place(k) - leverage.centre);
+            sum + self.weight[k].abs() * field(self.index[k] as usize) * arm
+        });
+        leverage.inverse * moment
+    }
+
+    /// Where neighbour k is, from the point.
+    fn place(&self, k: usize) -> Vec3 {
+        let [x, y, z] = &self.relative;
+        Vec3::new(x[k], y[k], z[k])
     }
 
     /// A positive scalar field of the gas, at the point; positive even where weights are not.

@@ -84,7 +84,7 @@ fn lesser() -> Vec<Level> {
 fn with(hydro: &Hydro, precision: Precision) -> Hydro {
     Hydro {
         precision,
-        ..*hydro
+        ..hydro.clone()
     }
 }
 

@@ -53,6 +53,16 @@ pub enum Fault {
         shortest: f64,
         time: f64,
     },
+    #[error(
+        "{population} particle {id}: the equation of state has no pressure or sound speed at density {density} and internal energy {energy}, at time {time}"
+    )]
+    NoState {
+        population: Population,
+        id: u64,
+        density: f64,
+        energy: f64,
+        time: f64,
+    },
     #[error("{population} body {id} cannot be moved at time {time}: {reason}")]
     Stuck {
         population: Population,

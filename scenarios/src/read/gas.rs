@@ -5,10 +5,12 @@ use nbody::points::Vec3;
 use gas::KernelKind;
 
 use super::Facts;
+use super::cooling::cooling;
+use super::eos::{eos, reference_radius};
 use crate::reader::{Range, Section};
 use crate::scene::{
-    Block, Cooling, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Gradient, Hydro, Lattice,
-    Physical, Precision, Softening, Thermal, Viscosity,
+    Block, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Gradient, Hydro, Lattice, Physical,
+    Precision, Softening, Thermal, Viscosity,
 };
 use crate::units::Kind;
 
@@ -20,7 +22,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
     if !section.present {
         return None;
     }
-    let eos = eos(&section, facts);
+    let (eos, mean_molecular_weight) = eos(&section, facts);
     let disk = disk(&section, facts, &eos);
     let blocks: Vec<GasBlock> = section
         .sections("block")
@@ -32,13 +34,15 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
     }
     let conduction = conduction(&section, &eos);
     let (viscosity, physical) = viscosity(&section, facts);
+    let cooling = cooling(&section, facts, &eos);
     let gas = Gas {
         particles: disk_particles(&section, "gas.disk", disk.is_some() || section.has("disk")),
         softening: softening(&section, Softening::SmoothingLength),
         disk,
         blocks,
         eos,
-        cooling: cooling(&section),
+        mean_molecular_weight,
+        cooling,
         hydro: hydro(&section, facts),
         viscosity,
         physical,
@@ -73,89 +77,6 @@ pub fn softening(section: &Section<'_>, default: Softening) -> Softening {
     section
         .quantity("softening", Kind::LENGTH, Range::NOT_NEGATIVE)
         .map_or(default, Softening::Fixed)
-}
-
-fn eos(gas: &Section<'_>, facts: &Facts) -> Eos {
-    let section = gas.section("eos");
-    let kinds = [("ideal", 0), ("isothermal", 1), ("locally-isothermal", 2)];
-    let later = ["stiffened", "tillotson", "barotropic"];
-    let kind = section.choice("kind", &kinds, &later).unwrap_or(0);
-    let weight = section.number("mean_molecular_weight", Range::POSITIVE);
-    let mean_molecular_weight = weight.unwrap_or(2.34);
-    let eos = match kind {
-        0 => ideal(&section, mean_molecular_weight),
-        1 => isothermal(&section, mean_molecular_weight),
-        _ => locally_isothermal(&section, facts, mean_molecular_weight),
-    };
-    let belongs = [
-        ("gamma", 0, "belongs to kind = \"ideal\""),
-        ("sound_speed", 1, "belongs to kind = \"isothermal\""),
-        (
-            "aspect_ratio",
-            2,
-            "belongs to kind = \"locally-isothermal\"",
-        ),
-        ("exponent", 2, "belongs to kind = \"locally-isothermal\""),
-        (
-            "reference_radius",
-            2,
-            "belongs to kind = \"locally-isothermal\"",
-        ),
-    ];
-    for (key, owner, sentence) in belongs {
-        if kind != owner {
-            section.misplaced(&[key], sentence);
-        }
-    }
-    section.close();
-    eos
-}
-
-fn ideal(section: &Section<'_>, mean_molecular_weight: f64) -> Eos {
-    const GAMMA: Range = Range {
-        test: |gamma| gamma > 1.0,
-        text: "greater than 1; for gamma = 1 take kind = \"isothermal\"",
-    };
-    Eos::Ideal {
-        gamma: section.number("gamma", GAMMA).unwrap_or(5.0 / 3.0),
-        mean_molecular_weight,
-    }
-}
-
-fn isothermal(section: &Section<'_>, mean_molecular_weight: f64) -> Eos {
-    let speed = section.quantity("sound_speed", Kind::VELOCITY, Range::POSITIVE);
-    let what = "a velocity such as \"1 km/s\"";
-    Eos::Isothermal {
-        sound_speed: section.required("sound_speed", speed, what, f64::NAN),
-        mean_molecular_weight,
-    }
-}
-
-fn locally_isothermal(section: &Section<'_>, facts: &Facts, mean_molecular_weight: f64) -> Eos {
-    let ratio = section.number("aspect_ratio", Range::POSITIVE);
-    let aspect_ratio = section.required("aspect_ratio", ratio, "such as 0.05", f64::NAN);
-    let exponent = section.number("exponent", Range::ANY).unwrap_or(0.25);
-    let reference_radius = reference_radius(section);
-    if !facts.has_star {
-        section.wrong(
-            "kind",
-            "needs a [star], about which the sound speed is laid out",
-        );
-    }
-    Eos::LocallyIsothermal {
-        aspect_ratio,
-        sound_speed: aspect_ratio * (facts.gravity * facts.star_mass / reference_radius).sqrt(),
-        exponent,
-        reference_radius,
-        mean_molecular_weight,
-    }
-}
-
-/// Default: 1 au, or 1 in a dimensionless scene.
-fn reference_radius(section: &Section<'_>) -> f64 {
-    let found = section.quantity("reference_radius", Kind::LENGTH, Range::POSITIVE);
-    let units = section.units();
-    found.unwrap_or_else(|| units.value("1 au", Kind::LENGTH).unwrap_or(1.0))
 }
 
 fn disk(gas: &Section<'_>, facts: &Facts, eos: &Eos) -> Option<Disk> {
@@ -234,21 +155,39 @@ fn disk_temperature(section: &Section<'_>, facts: &Facts, eos: &Eos, radius: f64
             let local = sound_speed * (radius / reference_radius).powf(-exponent);
             (local / circular, exponent)
         }
+        _ => {
+            section.pass_over(&["aspect_ratio", "exponent"]);
+            section.wrong(
+                "",
+                "needs gas.eos.kind = \"ideal\", \"isothermal\" or \"locally-isothermal\", of which its layers are made",
+            );
+            (f64::NAN, f64::NAN)
+        }
     }
 }
 
 fn gas_block(section: Section<'_>, facts: &Facts, eos: &Eos) -> GasBlock {
     let pressure = section.quantity("pressure", facts.pressure(), Range::POSITIVE);
-    let energy = section.quantity("internal_energy", Kind::SPECIFIC_ENERGY, Range::POSITIVE);
+    let energy = section.quantity("internal_energy", Kind::SPECIFIC_ENERGY, least(eos));
     section.exclusive("pressure", "internal_energy");
-    let thermal = if !matches!(eos, Eos::Ideal { .. }) {
-        section.misplaced(
-            &["pressure", "internal_energy"],
-            "follows from gas.eos, which is isothermal",
-        );
+    let thermal = if !eos.is_free() {
+        let sentence = match eos {
+            Eos::Barotropic(_) => "follows from gas.eos, which is barotropic",
+            _ => "follows from gas.eos, which is isothermal",
+        };
+        section.misplaced(&["pressure", "internal_energy"], sentence);
         Thermal::Eos
     } else if let Some(energy) = energy {
         Thermal::InternalEnergy(energy)
+    } else if matches!(eos, Eos::Tillotson { .. } | Eos::Tabulated { .. }) {
+        section.misplaced(
+            &["pressure"],
+            "has no formula for its energy in this gas.eos; give internal_energy",
+        );
+        if !section.has("pressure") && !section.has("internal_energy") {
+            section.wrong("", "needs internal_energy");
+        }
+        Thermal::InternalEnergy(f64::NAN)
     } else {
         if !section.has("pressure") && !section.has("internal_energy") {
             section.wrong("", "needs pressure or internal_energy");
@@ -258,6 +197,14 @@ fn gas_block(section: Section<'_>, facts: &Facts, eos: &Eos) -> GasBlock {
     GasBlock {
         block: block(section, facts),
         thermal,
+    }
+}
+
+/// The internal energies that gas may begin with: none is in cold solids alone.
+fn least(eos: &Eos) -> Range {
+    match eos {
+        Eos::Tillotson { .. } => Range::NOT_NEGATIVE,
+        _ => Range::POSITIVE,
     }
 }
 
@@ -297,21 +244,6 @@ pub fn block(section: Section<'_>, facts: &Facts) -> Block {
     };
     section.close();
     block
-}
-
-fn cooling(gas: &Section<'_>) -> Cooling {
-    let section = gas.section("cooling");
-    let kind = section.choice("kind", &[("none", Cooling::None)], &["beta"]);
-    if section.has("kind") && kind.is_none() {
-        section.pass_over(&["beta"]);
-    } else {
-        section.misplaced(
-            &["beta"],
-            "belongs to kind = \"beta\", which is not available in this version",
-        );
-    }
-    section.close();
-    Cooling::None
 }
 
 fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
@@ -472,7 +404,7 @@ fn conduction(gas: &Section<'_>, eos: &Eos) -> f64 {
     };
     let section = gas.section("conduction");
     let alpha = section.number("alpha", ALPHA).unwrap_or(0.0);
-    if alpha > 0.0 && !matches!(eos, Eos::Ideal { .. }) {
+    if alpha > 0.0 && !eos.is_free() {
         section.wrong(
             "alpha",
             "has no effect on gas whose temperature gas.eos sets; allowed there is 0",

@@ -12,7 +12,7 @@ use super::RunError;
 use crate::atomic::publish_bytes;
 use crate::history::{EVENT_HEAD, LedgerRow, Phase, Table, Timings, push_event};
 use crate::populate::molecules;
-use crate::scene::{Eos, Scene};
+use crate::scene::Scene;
 use crate::snapshot::{self, Group};
 use crate::stopwatch::Stopwatch;
 
@@ -222,7 +222,11 @@ impl Extra {
         let [a_gas, a_dust, a_bodies, a_star] = &self.accelerations;
         if !gas.is_empty() {
             let group = Group::new(0).with(&gas.particles).with(&gas.derived);
-            let group = group.with_column(TEMPERATURE, ColumnRef::Real(&self.temperatures));
+            let group = match self.temperatures.is_empty() {
+                // What is no gas has none that is known.
+                true => group,
+                false => group.with_column(TEMPERATURE, ColumnRef::Real(&self.temperatures)),
+            };
             groups.push(forces(
                 group,
                 a_gas,
@@ -262,25 +266,14 @@ fn dust_numbers(m: &[f64], radius: &[f64], density: &[f64]) -> Vec<f64> {
     (0..m.len()).map(number).collect()
 }
 
-/// T = mu m_H c^2 / k_B with the isothermal sound speed c, in kelvin; without physical units, k_B = m_H = 1.
+/// T = mu m_H c^2 / k_B with the isothermal sound speed c, in kelvin; without physical units, k_B = m_H = 1. None of what is no gas.
 fn temperatures(scene: &Scene, system: &System) -> Vec<f64> {
     /// Boltzmann's constant, erg/K (SI 2019).
     const BOLTZMANN: f64 = 1.380_649e-16;
-    let Some(gas) = &scene.gas else {
+    let weight = scene.gas.as_ref().and_then(|gas| gas.mean_molecular_weight);
+    let Some(mean_molecular_weight) = weight else {
         return Vec::new();
     };
-    let (Eos::Ideal {
-        mean_molecular_weight,
-        ..
-    }
-    | Eos::Isothermal {
-        mean_molecular_weight,
-        ..
-    }
-    | Eos::LocallyIsothermal {
-        mean_molecular_weight,
-        ..
-    }) = gas.eos;
     let factor = if scene.units.system == crate::units::System::Dimensionless {
         mean_molecular_weight
     } else {

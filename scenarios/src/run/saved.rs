@@ -11,6 +11,7 @@ use nbody::points::{Clock, Vec3};
 
 use crate::checkpoint::{Checkpoint, Draft, Fact};
 use crate::hdf::FileError;
+use crate::populate;
 use crate::scene::Scene;
 use crate::stopwatch::{Lap, Stopwatch};
 
@@ -25,7 +26,7 @@ pub struct Saved {
 
 pub fn write(
     path: &Path,
-    system: &System,
+    (scene, system): (&Scene, &System),
     watch: &Stopwatch,
     rows: [u64; 2],
 ) -> Result<(), FileError> {
@@ -43,6 +44,12 @@ pub fn write(
     draft
         .set("bodies", &system.bodies)
         .set("star", &system.star);
+    // Equations of state may need them before the next sums; of others nothing is kept.
+    let densities = match needs_density(scene) {
+        true => system.gas.derived.rho.clone(),
+        false => Vec::new(),
+    };
+    draft.fact("gas densities", Fact::Reals(densities));
     let clock = &system.clock;
     draft.fact(
         "clock",
@@ -117,6 +124,12 @@ pub fn write(
     draft.write(path)
 }
 
+/// Whether the gas needs the density that it had to go on.
+fn needs_density(scene: &Scene) -> bool {
+    let gas = scene.gas.as_ref();
+    gas.is_some_and(|gas| populate::hydro(scene, gas).eos.follows_density())
+}
+
 pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     let file = Checkpoint::open(path)?;
     let mut system = System::new(scene.domain, scene.gravity.constant, 0.0);
@@ -124,6 +137,9 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     file.read_set("gas", &mut particles)?;
     file.read_set("gas rates", &mut rates)?;
     system.gas = Gas::restored(particles, rates);
+    if needs_density(scene) {
+        system.gas.derived.rho = file.reals("gas densities")?;
+    }
     let (mut particles, mut rates) = (Superparticles::default(), dust::Rates::default());
     file.read_set("dust", &mut particles)?;
     file.read_set("dust rates", &mut rates)?;

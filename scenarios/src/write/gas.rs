@@ -3,8 +3,8 @@
 use super::text::Text;
 use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
 use crate::scene::{
-    Block, Cooling, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation, Gas, Hydro,
-    Lattice, Physical, Precision, Sizes, Thermal,
+    Block, Cooling, CoolingTime, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation,
+    Gas, Hydro, Lattice, Physical, Precision, Sizes, Thermal,
 };
 
 pub fn write_gas(text: &mut Text, gas: &Gas) {
@@ -13,7 +13,7 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
         text.raw("particles", gas.particles);
     }
     text.softening(gas.softening);
-    write_eos(text, &gas.eos);
+    write_eos(text, gas);
     if let Some(disk) = &gas.disk {
         write_disk(text, disk, &gas.eos);
     }
@@ -26,10 +26,7 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
             Thermal::Eos => {}
         }
     }
-    text.table("gas.cooling");
-    match gas.cooling {
-        Cooling::None => text.text("kind", "none"),
-    }
+    write_cooling(text, &gas.cooling);
     write_hydro(text, &gas.hydro);
     text.table("gas.viscosity");
     text.text("kind", viscosity_name(&gas.viscosity));
@@ -46,40 +43,65 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     text.number("alpha", gas.conduction);
 }
 
-fn write_eos(text: &mut Text, eos: &Eos) {
+fn write_eos(text: &mut Text, gas: &Gas) {
     text.table("gas.eos");
-    let weight = match *eos {
-        Eos::Ideal {
-            gamma,
-            mean_molecular_weight,
-        } => {
-            text.text("kind", "ideal");
-            text.number("gamma", gamma);
-            mean_molecular_weight
-        }
-        Eos::Isothermal {
-            sound_speed,
-            mean_molecular_weight,
-        } => {
-            text.text("kind", "isothermal");
-            text.number("sound_speed", sound_speed);
-            mean_molecular_weight
-        }
+    text.text("kind", gas.eos.name());
+    match &gas.eos {
+        Eos::Ideal { gamma } => text.number("gamma", *gamma),
+        Eos::Isothermal { sound_speed } => text.number("sound_speed", *sound_speed),
         Eos::LocallyIsothermal {
             aspect_ratio,
             exponent,
             reference_radius,
-            mean_molecular_weight,
             ..
         } => {
-            text.text("kind", "locally-isothermal");
-            text.number("aspect_ratio", aspect_ratio);
-            text.number("exponent", exponent);
-            text.number("reference_radius", reference_radius);
-            mean_molecular_weight
+            text.number("aspect_ratio", *aspect_ratio);
+            text.number("exponent", *exponent);
+            text.number("reference_radius", *reference_radius);
+        }
+        Eos::Barotropic(law) => {
+            text.number("sound_speed", law.sound_speed);
+            text.number("critical_density", law.critical_density);
+            text.number("gamma", law.gamma);
+        }
+        Eos::Stiffened(law) => {
+            text.number("gamma", law.gamma);
+            text.number("stiffening_pressure", law.pressure);
+        }
+        Eos::Tillotson { material } => text.text("material", material),
+        Eos::Tabulated { file, .. } => text.text("file", &file.to_string_lossy()),
+    }
+    if let Some(weight) = gas.mean_molecular_weight {
+        text.number("mean_molecular_weight", weight);
+    }
+}
+
+fn write_cooling(text: &mut Text, cooling: &Cooling) {
+    text.table("gas.cooling");
+    let towards = match cooling {
+        Cooling::None => {
+            text.text("kind", "none");
+            None
+        }
+        Cooling::Beta { beta, floor } => {
+            text.text("kind", "beta");
+            text.number("beta", *beta);
+            floor.as_ref()
+        }
+        Cooling::Relaxation { time, towards } => {
+            text.text("kind", "relaxation");
+            match time {
+                CoolingTime::Orbital(beta) => text.number("beta", *beta),
+                CoolingTime::Time(time) => text.number("time", *time),
+            }
+            Some(towards)
         }
     };
-    text.number("mean_molecular_weight", weight);
+    if let Some(towards) = towards {
+        text.number("aspect_ratio", towards.aspect_ratio);
+        text.number("exponent", towards.exponent);
+        text.number("reference_radius", towards.reference_radius);
+    }
 }
 
 fn write_disk(text: &mut Text, disk: &Disk, eos: &Eos) {
