@@ -320,7 +320,7 @@ pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Resu
             }
         } else {
             first = Some(now);
-            axes = semi_major_axes(gas);
+            axes = semi_major_axes(gas, gas.len());
         }
         (before, parts) = (l, [found[0], found[1], 0.0]);
         alive = life.change.is_finite() && life.change < 0.1;
@@ -329,7 +329,7 @@ pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Resu
         life.noise = (gas.x.iter().zip(&gas.v).map(radial).sum::<f64>() / gas.len() as f64).sqrt();
         let apart = axes
             .iter()
-            .zip(&semi_major_axes(gas))
+            .zip(&semi_major_axes(gas, axes.len()))
             .map(|(a, b)| (a - b).powi(2))
             .sum::<f64>();
         life.wander = (apart / gas.len() as f64).sqrt() / WIDTH;
@@ -342,9 +342,9 @@ pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Resu
     Ok(life)
 }
 
-/// Semi-major axes in the order of the identities.
-fn semi_major_axes(gas: &Particles) -> Vec<f64> {
-    let mut axes = vec![0.0; gas.len()];
+/// Semi-major axes in the order of the identities of `n` particles; zero of those that the star has.
+fn semi_major_axes(gas: &Particles, n: usize) -> Vec<f64> {
+    let mut axes = vec![0.0; n];
     for i in 0..gas.len() {
         axes[gas.id[i] as usize] = 1.0 / (2.0 / gas.x[i].norm() - gas.v[i].norm_squared() / MU);
     }
