@@ -400,9 +400,9 @@ fn gas_in_the_xz_plane_is_gas_in_the_xy_plane_turned() {
         end.sort_by_key(|particle| particle.0);
         end
     };
-    let apart = |(a, b): (&(u64, [f64; 4]), &(u64, [f64; 4]))| {
-        (0..4).map(|k| (a.1[k] - b.1[k]).abs()).fold(0.0, f64::max)
-    };
+    type Numbers = (u64, [f64; 4]);
+    let apart =
+        |(a, b): (&Numbers, &Numbers)| (0..4).map(|k| (a.1[k] - b.1[k]).abs()).fold(0.0, f64::max);
     let error = end("xy")
         .iter()
         .zip(&end("xz"))
