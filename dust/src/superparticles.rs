@@ -109,12 +109,13 @@ impl Dust {
         let mut gained = Vec3::zeros();
         if clock.synchronous() {
             let (p, v_pred) = (&mut self.particles, &mut self.rates.v_pred);
-            for i in 0..p.x.len() {
-                let change = domain.wrap(&mut p.x[i]);
+            let velocities = p.v.iter_mut().zip(v_pred);
+            for ((x, (v, v_pred)), &m) in p.x.iter_mut().zip(velocities).zip(&p.m) {
+                let change = domain.wrap(x);
                 if change != Vec3::zeros() {
-                    p.v[i] += change;
-                    v_pred[i] += change;
-                    gained += p.m[i] * change;
+                    *v += change;
+                    *v_pred += change;
+                    gained += m * change;
                 }
             }
             self.sort();

@@ -246,11 +246,12 @@ impl Gas {
             return Vec3::zeros();
         }
         let mut gained = Vec3::zeros();
-        for i in 0..p.x.len() {
-            let change = domain.wrap(&mut p.x[i]);
-            p.v[i] += change;
-            v_pred[i] += change;
-            gained += p.m[i] * change;
+        let velocities = p.v.iter_mut().zip(v_pred);
+        for ((x, (v, v_pred)), &m) in p.x.iter_mut().zip(velocities).zip(&p.m) {
+            let change = domain.wrap(x);
+            *v += change;
+            *v_pred += change;
+            gained += m * change;
         }
         gained
     }
