@@ -69,7 +69,9 @@ fn main() {
         });
         let tick = gas.next_tick();
         clock = Clock { tick, ..next };
-        timed(4, &mut || gas.refit(&domain, &clock));
+        timed(4, &mut || {
+            gas.refit(&domain, &clock);
+        });
     }
     println!(
         "N {} {:?} {:?} {} neighbours, {:?} {:?} {:?}, {updates} updates in {steps} steps",

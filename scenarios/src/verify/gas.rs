@@ -50,6 +50,9 @@ struct State {
     p: f64,
 }
 
+/// A quantity of a particle.
+type Quantity = fn(&State) -> f64;
+
 impl State {
     /// m / rho
     fn volume(&self) -> f64 {

@@ -8,7 +8,7 @@ use gas::Particles;
 use nbody::points::Columns;
 
 use super::picture::{Profile, profiles};
-use super::{Bar, End, Row, Scheme, State, both, pair, solo};
+use super::{Bar, End, Quantity, Row, Scheme, both, pair, solo};
 
 /// The scene with so many cells a diameter.
 pub fn scene(cells: u32) -> String {
@@ -103,11 +103,11 @@ pub fn rows() -> Vec<Row> {
 pub fn of(scheme: &Scheme) -> Vec<Row> {
     let [small, end] = [30, 38].map(|cells| scheme.end(&scene(cells), 0.8, sphere));
     profiles(scheme, "gas-evrard", "Evrard's collapse, t = 0.8", || {
-        let quantities: [(&str, fn(&State) -> f64); 2] = [
+        let quantities: [(&str, Quantity); 2] = [
             ("log density", |p| p.rho.log10()),
             ("radial velocity", |p| p.x.dot(&p.v) / p.x.norm()),
         ];
-        let profile = |(axis, of): (&'static str, fn(&State) -> f64)| Profile {
+        let profile = |(axis, of): (&'static str, Quantity)| Profile {
             axes: ["log r", axis],
             points: end
                 .gas

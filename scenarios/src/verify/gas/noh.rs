@@ -11,8 +11,8 @@ use super::picture::{Profile, profiles};
 use super::{Bar, End, Row, Scheme, median};
 
 const TIME: f64 = 2.0;
-/// Of the gas at the start: what reaches the shock by then, and more.
-const RADIUS: f64 = 2.8;
+/// Of the gas at the start: what reaches the shock by then, and as much more that kernels at the shock do not see the edge.
+const RADIUS: f64 = 3.2;
 const SHOCK: f64 = TIME / 3.0;
 /// Shells of radii below one.
 const SHELLS: usize = 100;

@@ -7,7 +7,10 @@
 
 use super::picture::{Profile, profiles};
 use super::riemann::{State, Waves};
-use super::{Bar, End, Row, Scheme, median};
+use super::{Bar, End, Quantity, Row, Scheme, median};
+
+/// A quantity of the exact solution.
+type Exact = fn(State) -> f64;
 
 /// One side of a tube.
 pub struct Side {
@@ -99,7 +102,7 @@ impl Tube {
     /// Profiles of density, velocity and pressure.
     pub(super) fn picture(&self, scheme: &Scheme, name: &str, end: &End) {
         let waves = self.waves();
-        let quantities: [(&str, fn(&super::State) -> f64, fn(State) -> f64); 3] = [
+        let quantities: [(&str, Quantity, Exact); 3] = [
             ("density", |particle| particle.rho, |exact| exact.rho),
             ("velocity", |particle| particle.v.x, |exact| exact.v),
             ("pressure", |particle| particle.p, |exact| exact.p),
@@ -107,7 +110,7 @@ impl Tube {
         profiles(scheme, name, self.title, || {
             let middle = || end.gas.iter().filter(|p| (p.x.x - 1.0).abs() < 0.5);
             let places = (0..=1000).map(|k| 0.001 * f64::from(k) - 0.5);
-            let profile = |(axis, of, exact): (_, fn(&super::State) -> f64, fn(State) -> f64)| {
+            let profile = |(axis, of, exact): (_, Quantity, Exact)| {
                 let line = places.clone().map(|x| (x, exact(waves.at(x / self.end))));
                 Profile {
                     axes: ["x", axis],
@@ -158,7 +161,7 @@ pub fn rarefactions(scheme: &Scheme) -> Vec<Row> {
     let tube = &RAREFACTIONS;
     let end = scheme.end(&tube.scene(400), tube.end, |_| {});
     tube.picture(scheme, "gas-123", &end);
-    let least = |of: fn(&super::State) -> f64| end.gas.iter().map(of).fold(f64::INFINITY, f64::min);
+    let least = |of: Quantity| end.gas.iter().map(of).fold(f64::INFINITY, f64::min);
     let thinnest = least(|particle| particle.rho) / tube.waves().inner[0].rho - 1.0;
     vec![
         Row::new(
@@ -188,7 +191,7 @@ pub fn blast(scheme: &Scheme) -> Vec<Row> {
     tube.picture(scheme, "gas-blast", &end);
     let waves = tube.waves();
     let (tail, shock) = (waves.left_wave()[1], waves.right_wave()[0]);
-    let plateau = |of: fn(&super::State) -> f64| {
+    let plateau = |of: Quantity| {
         let flat = |p: &&super::State| (tail..shock).contains(&tube.xi(p));
         median(end.gas.iter().filter(flat).map(of).collect())
     };
