@@ -70,12 +70,12 @@ fn more_settings(domain: Domain) -> Vec<Hydro> {
                 let corrected = Hydro {
                     gradient: Gradient::Matrix,
                     conduction: Conduction { alpha },
-                    ..hydro
+                    ..hydro.clone()
                 };
                 let physical = Hydro {
                     physical: Physical::Constant { nu: 0.1 },
                     exponent: 0.3,
-                    ..hydro
+                    ..hydro.clone()
                 };
                 all.extend([hydro, corrected, physical]);
             }
