@@ -5,7 +5,7 @@
 //!
 //! What u has grown to at the end of a step, u_b + H by heat and work H, is replaced by what it is by the law with du_hydro/dt = H/dt:
 //! u_0 + (u_b - u_0) e^-x + H (1 - e^-x) / x,   x = dt / t_cool at mid-step.   Exact without heating, for any dt; u_0 + H t_cool / dt where
-//! cooling is fast. Second order: H is taken by the rate at the end of the step, which saw u cool (`foresee`). Gas of u < u_0 stays as it is
+//! cooling is fast. Where u_0 changes on the way of the gas, that counts as heat with the other sign. Second order: H is taken by the rate at the end of the step, which saw u cool (`foresee`). Gas of u < u_0 stays as it is
 //! unless the law warms. What is taken is booked as radiated to the last bit.
 //! Sources: Gammie (2001), ApJ 553, 174 (beta); Cox & Matthews (2002), J. Comput. Phys. 176, 430, eq. 4 (the exponential step).
 
@@ -98,7 +98,7 @@ impl Cooling {
         })
     }
 
-    /// What becomes of `u`, of which `heat` came over the step, towards `rest` at depth x.
+    /// What becomes of `u`, that has gained `heat` over the step more than what it goes to, towards `rest` at depth x.
     fn cooled(&self, u: f64, heat: f64, rest: f64, depth: f64) -> Cooled {
         if depth == 0.0 || (u <= rest && !self.warms) {
             return Cooled { u, cut: false };
@@ -132,11 +132,12 @@ impl Gas {
             active[range].iter().fold(Heat::default(), |heat, &i| {
                 let i = i as usize;
                 let dt = f64::from(clock.tick - begin[i]) * clock.unit();
-                let middle = Place::new(x[i] - centre.x, v[i] - drift).at(-0.5 * dt);
-                let depth = cooling.depth(dt, middle, centre.gm);
+                let place = Place::new(x[i] - centre.x, v[i] - drift);
+                let depth = cooling.depth(dt, place.at(-0.5 * dt), centre.gm);
+                let (rest, before) = (cooling.rest(place.radius), cooling.rest(place.at(-dt)));
                 // SAFETY: each active particle is listed once.
                 let (u, u_pred) = unsafe { (u.part(i..i + 1), u_pred.part(i..i + 1)) };
-                let cooled = cooling.cooled(u[0], du[i] * dt, cooling.rest(middle), depth);
+                let cooled = cooling.cooled(u[0], du[i] * dt - (rest - before), rest, depth);
                 let taken = m[i] * (u[0] - cooled.u);
                 (u[0], u_pred[0]) = (cooled.u, cooled.u);
                 heat + Heat {
@@ -158,11 +159,12 @@ impl Gas {
             if !(dt > 0.0 && u > 0.0) {
                 continue;
             }
-            let middle = Place::new(p.x[i] - centre.x, p.v[i] - drift).at(0.5 * dt);
-            let depth = cooling.depth(dt, middle, centre.gm);
+            let place = Place::new(p.x[i] - centre.x, p.v[i] - drift);
+            let depth = cooling.depth(dt, place.at(0.5 * dt), centre.gm);
+            let (rest, before) = (cooling.rest(place.at(dt)), cooling.rest(place.radius));
             // Gas that heat or work alone would take below nothing is taken to cool by the law alone.
             let grown = if u + heat > 0.0 { u + heat } else { u };
-            let end = cooling.cooled(grown, grown - u, cooling.rest(middle), depth);
+            let end = cooling.cooled(grown, grown - u - (rest - before), rest, depth);
             // The prediction of what loses energy is a decay.
             let end = end.u.max(f64::MIN_POSITIVE);
             r.du[i] = match end < u {

@@ -413,10 +413,15 @@ fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
     let hydro = hydro(scene, gas);
     if let Some(disk) = &gas.disk {
         let first = ids.take(gas.particles);
-        append(
-            &mut all,
-            &disk_of(scene, gas, disk).gas(resolution(scene, gas), scene.run.seed, first),
-        );
+        let disk = disk_of(scene, gas, disk);
+        let mut made = disk.gas(resolution(scene, gas), scene.run.seed, first);
+        if let Eos::Ideal { gamma } = hydro.eos {
+            // Gas whose temperature its place dictates is brought to it by itself.
+            for (u, x) in made.u.iter_mut().zip(&made.x) {
+                *u = disk.sound_speed(x.xy().norm()).powi(2) / (gamma - 1.0);
+            }
+        }
+        append(&mut all, &made);
     }
     for b in &gas.blocks {
         let (x, mass, first) = block(scene, &b.block, ids, Purpose::GasPositions);

@@ -163,6 +163,10 @@ fn gas_never_cools_below_its_floor_and_only_relaxation_warms() {
     let mut gas = parcel(Vec3::x(), Vec3::zeros(), 0.03);
     assert_eq!(carried(&mut gas, &floor(false), (1.0, 5), |_, _| 0.0), 0.0);
     assert_eq!(gas.particles.u[0], 0.03);
+    // Whatever heat is taken to have come, cooling ends between u and the floor.
+    let law = floor(false);
+    assert_eq!(law.cooled(0.11, -0.5, rest, 1.0).u, rest);
+    assert_eq!(law.cooled(0.11, 0.5, rest, 1.0).u, 0.11);
     // Further out it is colder: c ~ R^-0.5.
     let mut gas = parcel(4.0 * Vec3::y(), Vec3::zeros(), 0.7);
     carried(&mut gas, &floor(false), (1e4, 2), |_, _| 0.0);
@@ -186,4 +190,34 @@ fn gas_that_expands_faster_than_its_step_stays_warm_and_says_so() {
         "{u}"
     );
     assert!(!law.cooled(0.1, -0.05, 0.0, 1.0).cut);
+}
+
+#[test]
+fn gas_that_relaxes_on_its_way_outward_follows_the_profile() {
+    // u_0 = 0.1 / R, R = 1 + 0.5 t, in a time of 0.3: against fine steps of the law itself.
+    let law = Cooling {
+        duration: Duration::Time(0.3),
+        profile: Some(PROFILE),
+        warms: true,
+        gamma: 1.4,
+    };
+    let end = |time: f64, steps: u32| {
+        let law = Cooling {
+            duration: Duration::Time(time),
+            ..law
+        };
+        let mut gas = parcel(Vec3::x(), 0.5 * Vec3::x(), 0.3);
+        carried(&mut gas, &law, (2.0, steps), |_, _| 0.0);
+        gas.particles.u[0]
+    };
+    let rate = |t: f64, u: f64| (0.1 / (1.0 + 0.5 * t) - u) / 0.3;
+    let dt = 1e-4;
+    let exact = (0..20_000).fold(0.3, |u, k| {
+        let t = f64::from(k) * dt;
+        u + dt * rate(t + 0.5 * dt, u + 0.5 * dt * rate(t, u))
+    });
+    let error = |steps: u32| (end(0.3, steps) / exact - 1.0).abs();
+    println!("{:e} {:e}", error(8), error(32));
+    assert!((0.5 * (error(8) / error(32)).log2() - 2.0).abs() < 0.2);
+    assert!((end(1e-9, 16) / 0.05 - 1.0).abs() < 1e-6);
 }
