@@ -122,7 +122,7 @@ pub const PROBLEMS: [Problem; 12] = [
     },
     Problem {
         name: "shearing-glass",
-        about: "noise that shear makes of a lattice and of a glass of 1600 particles over 10 orbits, by scheme; about 2 minutes",
+        about: "noise that shear makes of a lattice and of a glass of 400 particles over 10 orbits, by scheme; some minutes",
         rows: shearing_glass::rows,
     },
     Problem {
