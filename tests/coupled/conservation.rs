@@ -25,6 +25,7 @@ fn every_scene_keeps_what_it_must() {
         let mut overrides = vec!["run.snapshots=\"none\""];
         match scene.as_str() {
             "gas/sod.toml" => overrides.push("run.end_time=0.02"),
+            "gas/shearing-box.toml" => overrides.push("run.end_time=0.5"),
             "coupled/minimum-mass-disk.toml" => overrides.extend([
                 "run.end_time=\"0.1 yr\"",
                 "gas.particles=8000",

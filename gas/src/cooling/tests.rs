@@ -1,3 +1,5 @@
+//! Tests of `cooling`.
+
 use nbody::points::clock::TICKS;
 
 use super::*;

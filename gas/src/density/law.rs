@@ -41,8 +41,9 @@ pub struct Law {
     pub formulation: Formulation,
     /// Whether the sums follow H.
     pub grad_h: bool,
-    /// Whether the inverse of the gradient's sums serves for forces.
-    pub stressed: bool,
+    /// Whether the velocity gradient is looked at as a whole, and whether it weighs neighbours by their contents, since forces do.
+    pub wants_tensor: bool,
+    pub weighs_contents: bool,
     pub d: f64,
     pub wanted: f64,
     tolerance: f64,
@@ -74,7 +75,8 @@ impl Law {
             kernel,
             formulation: hydro.formulation,
             grad_h: hydro.grad_h && hydro.gradient == Gradient::Standard,
-            stressed: hydro.stressed(),
+            wants_tensor: hydro.stressed() || hydro.viscosity.heeds_strain(),
+            weighs_contents: hydro.stressed() && !hydro.formulation.sums_mass(),
             d: d as f64,
             wanted: hydro.neighbours,
             tolerance: hydro.tolerance,
@@ -82,12 +84,6 @@ impl Law {
             weight,
             excess: kernel.self_excess(hydro.neighbours, d) * kernel.value(0.0),
         }
-    }
-
-    /// Whether the velocity gradient weighs neighbours by their contents.
-    #[inline(always)]
-    pub fn weighs_contents(&self) -> bool {
-        self.stressed && !self.formulation.sums_mass()
     }
 
     /// Sums over the distances `r` of w(q) and of -q dw/dq, at H = `reach`.

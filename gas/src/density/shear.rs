@@ -71,9 +71,9 @@ impl<S: Simd, E: Real> Shear<S, E> {
         }
     }
 
-    /// The flow along the `axes` of the domain; `mass` is sum m_j W.
+    /// The flow along the `axes` of the domain, with its tensors if `whole`; `mass` is sum m_j W.
     #[inline(always)]
-    pub fn flow<R: Machine<S, E>>(&self, axes: [bool; 3], mass: f64) -> Flow {
+    pub fn flow<R: Machine<S, E>>(&self, axes: [bool; 3], mass: f64, whole: bool) -> Flow {
         let [dd, vd] = [&self.dd, self.vd.as_flattened()];
         let a = R::totals([dd[0], dd[1], dd[2], dd[3]]);
         let b = R::totals([dd[4], dd[5], vd[8], self.signs]);
@@ -95,7 +95,7 @@ impl<S: Simd, E: Real> Shear<S, E> {
             trace: Some(trace),
             shear2,
             curl: Vec3::new(v.m32 - v.m23, v.m13 - v.m31, v.m21 - v.m12).norm(),
-            linear: Some([v, inverse]),
+            linear: if whole { Some([v, inverse]) } else { None },
             ..flow
         }
     }

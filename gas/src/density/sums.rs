@@ -111,7 +111,7 @@ impl<S: Simd, E: Real> Sums<S, E> {
         let approach = dv[2].mul_add(d[2], dv[1].mul_add(d[1], dv[0] * d[0]));
         self.div = slope.mul_add(approach, self.div);
         if GRADIENT {
-            let weighted = if law.weighs_contents() {
+            let weighted = if law.weighs_contents {
                 content * slope
             } else {
                 m_slope
@@ -184,8 +184,8 @@ impl<S: Simd, E: Real> Sums<S, E> {
             _ => rho,
         };
         let (div_v, curl_v, flow) = if GRADIENT {
-            let flow = self.shear.flow::<R>(axes, mass);
-            let div_v = if law.weighs_contents() {
+            let flow = self.shear.flow::<R>(axes, mass, law.wants_tensor);
+            let div_v = if law.weighs_contents {
                 flow.trace.unwrap_or(0.0)
             } else {
                 -scale * (flow.m_div - g * div)

@@ -1,3 +1,5 @@
+//! Tests of the equations of state.
+
 use super::tillotson::{BASALT, GRANITE, ICE, IRON, MATERIALS};
 use super::*;
 

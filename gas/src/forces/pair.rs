@@ -92,7 +92,8 @@ impl<S: Simd, E: Real> Member<S, E> {
     #[inline(always)]
     pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; MORE], flux: &Flux) -> Self {
         let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
-        for (columns, quad) in columns.iter_mut().zip(row) {
+        let quads = if flux.plain { QUADS } else { MORE };
+        for (columns, quad) in columns.iter_mut().zip(row).take(quads) {
             for (column, &value) in columns.iter_mut().zip(&quad.0) {
                 *column = Lanes::<S, E>::splat(simd, value);
             }
@@ -140,6 +141,7 @@ fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S,
 }
 
 /// Pressure, viscosity and conduction of a pair.
+#[derive(Clone, Copy)]
 pub struct Flux {
     kernel: KernelKind,
     formulation: Formulation,

@@ -41,8 +41,8 @@ pub struct Sweep<'a, E> {
     pub out: Out<'a>,
 }
 
-/// The sweep over the leaves of a branch.
-struct Branch<'a, E> {
+/// The sweep over the leaves of a branch, of particles that bring no more than [`QUADS`] if `PLAIN`.
+struct Branch<'a, E, const PLAIN: bool> {
     sweep: &'a Sweep<'a, E>,
     branch: usize,
     /// The pace of all around, unless it is mixed.
@@ -50,7 +50,23 @@ struct Branch<'a, E> {
     region: &'a mut Region<E>,
 }
 
-impl<E: Element> Job<E> for Branch<'_, E> {
+impl<'a, E, const PLAIN: bool> Branch<'a, E, PLAIN> {
+    fn new(
+        sweep: &'a Sweep<'a, E>,
+        branch: usize,
+        pace: Option<Pace>,
+        region: &'a mut Region<E>,
+    ) -> Self {
+        Self {
+            sweep,
+            branch,
+            pace,
+            region,
+        }
+    }
+}
+
+impl<E: Element, const PLAIN: bool> Job<E> for Branch<'_, E, PLAIN> {
     type Output = usize;
 
     #[inline(always)]
@@ -76,13 +92,13 @@ impl<E: Element> Job<E> for Branch<'_, E> {
                 met += usize::from(match pace {
                     Some(pace) => {
                         let mut sums = Even::new(simd);
-                        sweep.target::<S, R, _>(simd, i, &grid, region, &mut sums);
+                        sweep.target::<PLAIN, S, R, _>(simd, i, &grid, region, &mut sums);
                         let total = sums.total::<R>(pace, region.count());
                         sweep.out.write(i, &total, sweep.active(i))
                     }
                     None => {
                         let mut sums = Mixed::new(simd);
-                        sweep.target::<S, R, _>(simd, i, &grid, region, &mut sums);
+                        sweep.target::<PLAIN, S, R, _>(simd, i, &grid, region, &mut sums);
                         sweep.out.write(i, &sums.total::<R>(), sweep.active(i))
                     }
                 });
@@ -106,13 +122,17 @@ impl<E: Element> Sweep<'_, E> {
                     return 0;
                 }
                 let pace = self.pace(branch, around);
-                let branch = Branch {
-                    sweep: self,
-                    branch,
-                    pace,
-                    region: &mut space.region,
-                };
-                E::run(self.level, branch)
+                if self.flux.plain {
+                    E::run(
+                        self.level,
+                        Branch::<E, true>::new(self, branch, pace, &mut space.region),
+                    )
+                } else {
+                    E::run(
+                        self.level,
+                        Branch::<E, false>::new(self, branch, pace, &mut space.region),
+                    )
+                }
             })
         });
         branches.sum()
@@ -203,7 +223,7 @@ impl<E: Element> Sweep<'_, E> {
     }
 
     #[inline(always)]
-    fn target<S: Simd, R: Machine<S, E>, A: Sums<S, E>>(
+    fn target<const PLAIN: bool, S: Simd, R: Machine<S, E>, A: Sums<S, E>>(
         &self,
         simd: S,
         i: usize,
@@ -211,30 +231,36 @@ impl<E: Element> Sweep<'_, E> {
         region: &mut Region<E>,
         sums: &mut A,
     ) {
+        // Known where it is compiled: what a plain sweep leaves out costs it nothing.
+        let flux = Flux {
+            plain: PLAIN,
+            stressed: !PLAIN && self.flux.stressed,
+            ..self.flux
+        };
         let mut row = [Quad::default(); MORE];
-        if self.flux.plain {
+        if PLAIN {
             row[..QUADS].copy_from_slice(&self.packed.row::<QUADS>(i));
         } else {
             row = self.packed.row::<MORE>(i);
         }
         row[0] = E::moved(row[0], [0.0; 3], grid.from, grid.to);
-        let own = Member::<S, E>::alone::<R>(simd, &row, &self.flux);
+        let own = Member::<S, E>::alone::<R>(simd, &row, &flux);
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
         region.meet(simd, place, reach * reach, !self.active(i));
+        let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
-            let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
             for (part, column) in columns[..QUADS].iter_mut().enumerate() {
                 *column = region.quad::<S, R>(simd, part, first);
             }
-            if !self.flux.plain {
+            if !PLAIN {
                 for (part, column) in columns.iter_mut().enumerate().skip(QUADS) {
                     *column = region.quad::<S, R>(simd, part, first);
                 }
             }
-            let other = Member::new::<R>(simd, columns, &self.flux);
+            let other = Member::new::<R>(simd, columns, &flux);
             let pair = Separation::new(simd, &row, &columns, grid);
-            let (force, heat) = (self.flux).between::<S, E, R>(simd, &own, &other, &pair);
+            let (force, heat) = flux.between::<S, E, R>(simd, &own, &other, &pair);
             sums.add(simd, &own, &other, force, heat);
         }
     }

@@ -124,7 +124,7 @@ mod tests {
         assert_eq!(first.alpha(0.3, 1.0), 0.3);
     }
 
-    /// What is left of the velocity of a sound wave of amplitude 1 % after five periods, 32 particles a wavelength.
+    /// What is left of the velocity of a sound wave of amplitude 1 % after two periods, 32 particles a wavelength: the lattice holds as long.
     fn left(viscosity: Viscosity) -> f64 {
         let (n, wave, amplitude, gamma) = (32, std::f64::consts::TAU, 0.01, 5.0 / 3.0);
         let spacing = 1.0 / n as f64;
@@ -149,7 +149,7 @@ mod tests {
             part(f64::sin).hypot(part(f64::cos))
         };
         let before = mode(&gas);
-        alone::advance(&mut gas, &hydro, 0.0, 5.0, 0.25).expect("a run");
+        alone::advance(&mut gas, &hydro, 0.0, 2.0, 0.25).expect("a run");
         mode(&gas) / before
     }
 
@@ -160,7 +160,8 @@ mod tests {
         let constant = left(Viscosity::Constant { alpha, beta });
         let without = left(Viscosity::None);
         println!("{switched} {constant} {without}");
-        assert!(switched > 0.97 * without, "{switched} of {without}");
-        assert!(constant < 0.8 * without, "{constant} of {without}");
+        assert!(switched > 0.99 * without, "{switched} of {without}");
+        // 0.80.
+        assert!(constant < 0.85 * without, "{constant} of {without}");
     }
 }

@@ -1,3 +1,5 @@
+//! Tests of `tridisk sample`.
+
 use std::collections::BTreeMap;
 
 use nbody::points::Label;
