@@ -231,12 +231,7 @@ impl<E: Element> Sweep<'_, E> {
         region: &mut Region<E>,
         sums: &mut A,
     ) {
-        // Known where it is compiled: what a plain sweep leaves out costs it nothing.
-        let flux = Flux {
-            plain: PLAIN,
-            stressed: !PLAIN && self.flux.stressed,
-            ..self.flux
-        };
+        let flux = self.flux.of(PLAIN);
         let mut row = [Quad::default(); MORE];
         if PLAIN {
             row[..QUADS].copy_from_slice(&self.packed.row::<QUADS>(i));
