@@ -47,6 +47,10 @@ pub struct Target {
 }
 
 /// What became of a target.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are done, and none is kept"
+)]
 enum Outcome {
     Done {
         local: Local,

@@ -312,8 +312,11 @@ pub fn name_of<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static 
     named.expect("a name for each value").0
 }
 
-/// Artificial viscosities by name, made from alpha and beta.
-const VISCOSITIES: [(&str, fn(f64, f64) -> Viscosity); 8] = [
+/// An artificial viscosity of some alpha and beta.
+type Making = fn(f64, f64) -> Viscosity;
+
+/// Artificial viscosities by name.
+const VISCOSITIES: [(&str, Making); 8] = [
     ("none", |_, _| Viscosity::None),
     ("constant", |alpha, beta| Viscosity::Constant {
         alpha,
