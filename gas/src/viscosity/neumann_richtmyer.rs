@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 
 use super::stress::Place;
 
-/// The stress in `dimensions`.
+/// The stress.
 pub fn stress(place: &Place, alpha: f64, beta: f64) -> Matrix3<f64> {
     Matrix3::identity() * place.pressure(place.gradient.trace(), alpha, beta)
 }

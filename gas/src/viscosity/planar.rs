@@ -2,7 +2,7 @@
 //!
 //! l_1 <= l_2 <= l_3: rates of strain,   xi = -l_1 / (|l_1| + |l_2| + |l_3|),   n: the axis of l_1,   l = min(0, l_1 + max(0, l_3)): what no shear makes up for
 //! gate:   w = s^2 (3 - 2 s), s = (xi - 0.55) / 0.2 between 0 and 1;   strength:  e = h |l| / c_s
-//! alpha:  at once to  alpha_max w e^2 / (e^2 + 0.15^2)  where that is more, else down to it as exp(-2 l v_sig t / H), l = 0.05 (Cullen & Dehnen 2010)
+//! alpha:  at once to  alpha_max w e^2 / (e^2 + 0.15^2)  where that is more, else down to it as exp(-0.1 v_sig t / H) (Cullen & Dehnen 2010)
 //! stress: q(l) n n as in [`stress`](super::stress); beta keeps its ratio to alpha. As a switch, alpha is that of the pairs instead
 //!
 //! A shear of any strength has xi = 1/2 and no viscosity at all; a shock has l_1 alone and xi = 1, on whatever background; gas that falls
