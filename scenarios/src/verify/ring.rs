@@ -33,8 +33,8 @@ pub struct Life {
     /// Root mean square of the radial velocity by the sound speed, and of the semi-major axes' change by the ring's width, at the end.
     pub noise: f64,
     pub wander: f64,
-    /// Change of the outer half's angular momentum by that of the ring, an orbit, over the last orbits; and the parts that
-    /// viscosity and pressure account for.
+    /// Change of the outer half's angular momentum by that of the ring, an orbit, over all of its life; and the parts that
+    /// viscosity and pressure account for, from samples of both.
     pub torque: [f64; 3],
     /// The same torque over the first quarter of an orbit.
     pub first_torque: f64,
@@ -70,10 +70,14 @@ const VISCOSITIES: [&str; 8] = [
 
 const PARTICLES: usize = 16_000;
 const ORBITS: usize = 100;
+/// An orbit; the shear turns a particle's neighbourhood over in a sixth of it.
+const SAMPLES: usize = 32;
 
 /// Text of a scheme.
 fn scheme(formulation: &str, viscosity: &str) -> String {
-    format!("[gas.hydro]\n{formulation}\n[gas.viscosity]\nkind = \"{viscosity}\"\n")
+    format!(
+        "[gas.hydro]\nprecision = \"single\"\n{formulation}\n[gas.viscosity]\nkind = \"{viscosity}\"\n"
+    )
 }
 
 /// Prints the table of formulations and viscosities, and that of the Reynolds numbers; judged is the best entry that has a viscosity.
@@ -94,7 +98,7 @@ pub fn rows() -> Vec<Row> {
         .collect();
     for (f, viscosity) in pairs {
         let (name, keys) = FORMULATIONS[f];
-        match life(PARTICLES, ORBITS, &scheme(keys, viscosity), &[]) {
+        match life(PARTICLES, ORBITS, &scheme(keys, viscosity), &[], |_| {}) {
             Ok(life) => {
                 if viscosity != "none" && life.survived > best {
                     best = life.survived;
@@ -120,7 +124,7 @@ pub fn rows() -> Vec<Row> {
     )];
     for viscosity in ["constant", "balsara"] {
         let reynolds = [4_000, 16_000, 64_000].map(|n| {
-            let life = life(n, 1, &scheme(FORMULATIONS[0].1, viscosity), &[]);
+            let life = life(n, 1, &scheme(FORMULATIONS[0].1, viscosity), &[], |_| {});
             let torque = life.map_or(f64::NAN, |life| life.first_torque);
             reynolds(torque)
         });
@@ -248,29 +252,25 @@ fn masses(gas: &Particles) -> [f64; RINGS] {
     masses
 }
 
-/// The angular momentum of the half of identities that begins outside, by that of all.
-fn outer(system: &System) -> f64 {
+/// The angular momentum of those of the `n` identities that begin outside, by that of all.
+fn outer(system: &System, n: usize) -> f64 {
     let gas = &system.gas.particles;
     let (mut outer, mut all) = (0.0, 0.0);
     for i in 0..gas.len() {
         let l = gas.m[i] * gas.x[i].cross(&gas.v[i]).z;
         all += l;
-        outer += if gas.id[i] >= gas.len() as u64 / 2 {
-            l
-        } else {
-            0.0
-        };
+        outer += if gas.id[i] >= n as u64 / 2 { l } else { 0.0 };
     }
     outer / all
 }
 
 /// The torques on that half by viscosity and by pressure, by the ring's angular momentum.
-fn torques(system: &System, inviscid: &Hydro) -> [f64; 2] {
+fn torques(system: &System, n: usize, inviscid: &Hydro) -> [f64; 2] {
     let torque = |gas: &Gas| {
         let p = &gas.particles;
         let mut sums = [0.0; 2];
         for i in 0..gas.len() {
-            let outside = p.id[i] >= gas.len() as u64 / 2;
+            let outside = p.id[i] >= n as u64 / 2;
             sums[0] += f64::from(u8::from(outside)) * p.m[i] * p.x[i].cross(&gas.rates.hydro[i]).z;
             sums[1] += p.m[i] * p.x[i].cross(&p.v[i]).z;
         }
@@ -284,45 +284,81 @@ fn torques(system: &System, inviscid: &Hydro) -> [f64; 2] {
     [all - pressure, pressure]
 }
 
-/// Runs a ring of `n` particles for up to `orbits`.
-pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Result<Life, Fault> {
+/// The angular momentum of the outer half at the first sample and the last, and the torques summed by trapezoids.
+#[derive(Default)]
+struct Budget {
+    start: Option<[f64; 2]>,
+    last: [f64; 2],
+    torques: [f64; 2],
+    sums: [f64; 2],
+}
+
+impl Budget {
+    fn add(&mut self, orbits: f64, outer: f64, torques: [f64; 2]) {
+        if self.start.is_some() {
+            for (sum, (a, b)) in self.sums.iter_mut().zip(self.torques.iter().zip(torques)) {
+                *sum += 0.5 * (a + b) * (orbits - self.last[0]) * TAU;
+            }
+        }
+        self.start.get_or_insert([orbits, outer]);
+        (self.last, self.torques) = ([orbits, outer], torques);
+    }
+
+    /// Change and parts, an orbit.
+    fn mean(&self) -> [f64; 3] {
+        let [began, from] = self.start.unwrap_or_default();
+        let orbits = self.last[0] - began;
+        [
+            (self.last[1] - from) / orbits,
+            self.sums[0] / orbits,
+            self.sums[1] / orbits,
+        ]
+    }
+}
+
+/// Runs a ring of `n` particles for up to `orbits`; `watch` sees what has become of it SAMPLES times an orbit.
+pub fn life(
+    n: usize,
+    orbits: usize,
+    scheme: &str,
+    overrides: &[String],
+    mut watch: impl FnMut(&Life),
+) -> Result<Life, Fault> {
     let trial = Trial::new(&scene(n, scheme), overrides, lay_out);
     let mut trial = trial.unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
+    let n = trial.system.gas.len();
     let gas = trial.scene.gas.as_ref().expect("a ring of gas");
     let inviscid = Hydro {
         viscosity: Viscosity::None,
         ..populate::hydro(&trial.scene, gas)
     };
     let mut life = Life::default();
-    let (mut first, mut axes, mut before) = (None, Vec::new(), 0.0);
-    const SAMPLES: usize = 4;
+    let (mut first, mut axes) = (None, Vec::new());
     let stops: Vec<f64> = (0..=orbits * SAMPLES)
         .map(|k| TAU * k as f64 / SAMPLES as f64)
         .collect();
-    let mut parts = [0.0; 3];
+    let mut budget = Budget::default();
     let mut alive = true;
     trial.run_while(&stops, |stop| {
         let gas = &stop.system.gas.particles;
         let now = masses(gas);
         let time = stop.system.clock.time() / TAU;
-        let l = outer(stop.system);
-        let found = torques(stop.system, &inviscid);
+        budget.add(
+            time,
+            outer(stop.system, n),
+            torques(stop.system, n, &inviscid),
+        );
         if let Some(first) = first {
             let first: [f64; RINGS] = first;
             life.change = (first.iter().zip(&now)).map(|(a, b)| (a - b).abs()).sum();
-            // Over the last quarter orbit, with the torques at its ends.
-            life.torque = [(l - before) * SAMPLES as f64, 0.0, 0.0];
-            if time < 1.5 / SAMPLES as f64 {
+            life.torque = budget.mean();
+            if time < 0.26 {
                 life.first_torque = life.torque[0];
-            }
-            for k in 0..2 {
-                life.torque[k + 1] = 0.5 * (parts[k] + found[k]) * TAU;
             }
         } else {
             first = Some(now);
             axes = semi_major_axes(gas, gas.len());
         }
-        (before, parts) = (l, [found[0], found[1], 0.0]);
         alive = life.change.is_finite() && life.change < 0.1;
         life.survived = time;
         let radial = |(x, v): (&Vec3, &Vec3)| (x.dot(v) / x.norm() / 0.01).powi(2);
@@ -334,6 +370,8 @@ pub fn life(n: usize, orbits: usize, scheme: &str, overrides: &[String]) -> Resu
             .sum::<f64>();
         life.wander = (apart / gas.len() as f64).sqrt() / WIDTH;
         life.error_angular_momentum = stop.books.error_angular_momentum;
+        life.cpu_s = stop.watch.cpu_s();
+        watch(&life);
         alive
     })?;
     life.died = !alive;
