@@ -106,6 +106,30 @@ impl Hydro {
         self.conduction.alpha > 0.0 && self.eos.is_free() && self.eos.follows_sound_speed()
     }
 
+    /// Whether stresses act on masses, whatever the pressure acts on: sums of pressures weigh nothing where gas is cold.
+    pub(crate) fn stress_by_mass(&self) -> bool {
+        let apart = self.formulation == Formulation::Pressure && self.gradient == Gradient::Standard;
+        apart || self.formulation.sums_mass()
+    }
+
+    /// The setting that another of these rules out, and why.
+    pub fn clashing(&self) -> Option<(&'static str, &'static str)> {
+        if self.gradient == Gradient::Standard {
+            return None;
+        }
+        match self.formulation {
+            Formulation::Smoothed => Some((
+                "hydro.gradient",
+                "\"matrix\" drives particles at a surface apart without bound where formulation = \"smoothed\"; allowed there is \"standard\"",
+            )),
+            Formulation::Pressure if self.viscous_stress() => Some((
+                "hydro.gradient",
+                "\"matrix\" weighs a viscous stress by pressures where formulation = \"pressure\", and cold gas has none; allowed are \"standard\", or a viscosity between pairs",
+            )),
+            _ => None,
+        }
+    }
+
     /// Whether particles bring a stress into pairs: a viscous one, or a pressure whose gradient is corrected.
     pub(crate) fn stressed(&self) -> bool {
         self.viscous_stress() || self.gradient == Gradient::Matrix

@@ -19,6 +19,10 @@ mod kicks;
 /// The least part of its internal energy that a kick leaves to a particle.
 const LEAST_PART: f64 = 0.1;
 
+/// Logarithm of the factor by which h is let change in a step by the divergence seen at its begin: next to gas a million times denser, whose
+/// kernel's edge has no finite relative slope, that would have no bound.
+const SWELLING: f64 = std::f64::consts::LN_2;
+
 /// Energy that left or entered the gas other than by its forces, code units of energy; and momentum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Heat {
@@ -89,6 +93,9 @@ impl Gas {
         let mut next_field_span = std::mem::take(&mut self.rates.next_field_span);
         let chosen = Parts::new(&mut next_span);
         let chosen_field = Parts::new(&mut next_field_span);
+        let mut div_v = std::mem::take(&mut self.derived.div_v);
+        let rates = Parts::new(&mut div_v);
+        let most = SWELLING * hydro.dimensions() as f64;
         let active = &self.vicinity.active;
         let shortest = sum::ordered(active.len(), Shortest::default(), |range| {
             active[range].iter().fold(Shortest::default(), |least, &i| {
@@ -108,10 +115,16 @@ impl Gas {
                     span = span.min(whole);
                 }
                 // SAFETY: each active particle is listed once.
-                unsafe { chosen.part(i..i + 1)[0] = span };
+                unsafe {
+                    chosen.part(i..i + 1)[0] = span;
+                    let rate = &mut rates.part(i..i + 1)[0];
+                    let most = most / (f64::from(span) * next.unit());
+                    *rate = rate.clamp(-most, most);
+                }
                 least + Shortest { span, of: i }
             })
         });
+        self.derived.div_v = div_v;
         self.rates.next_span = next_span;
         self.rates.next_field_span = next_field_span;
         let Shortest { span, of } = shortest;

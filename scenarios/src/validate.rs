@@ -184,6 +184,9 @@ fn eos_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
         );
         complaints.say(&format!("gas.{key}"), &sentence);
     }
+    if let Some((key, sentence)) = hydro.clashing() {
+        complaints.say(&format!("gas.{key}"), sentence);
+    }
     if gas.mean_molecular_weight.is_some() {
         return;
     }

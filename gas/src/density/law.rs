@@ -76,7 +76,7 @@ impl Law {
             formulation: hydro.formulation,
             grad_h: hydro.grad_h && hydro.gradient == Gradient::Standard,
             wants_tensor: hydro.stressed() || hydro.viscosity.heeds_strain(),
-            weighs_contents: hydro.stressed() && !hydro.formulation.sums_mass(),
+            weighs_contents: hydro.stressed() && !hydro.stress_by_mass(),
             d: d as f64,
             wanted: hydro.neighbours,
             tolerance: hydro.tolerance,

@@ -231,7 +231,7 @@ impl<'a> Out<'a> {
     /// The correction of gradients.
     fn correction(&self, local: &Local, reach: f64) -> Matrix3<f64> {
         let (hydro, d) = (self.hydro, self.hydro.dimensions());
-        let y = if hydro.formulation.sums_mass() {
+        let y = if hydro.stress_by_mass() {
             local.rho
         } else {
             local.y

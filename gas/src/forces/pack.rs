@@ -155,9 +155,14 @@ impl Pack<'_> {
             if hydro.gradient == Gradient::Matrix {
                 q += Matrix3::identity() * (specific * rho);
             }
-            let y = (hydro.formulation).sum(m, specific, rho, hydro.exponent);
+            let (x, y) = if hydro.stress_by_mass() {
+                (m, rho)
+            } else {
+                let formulation = hydro.formulation;
+                (content, formulation.sum(m, specific, rho, hydro.exponent))
+            };
             let correction = matrix(&derived.correction, &derived.correction_off);
-            let scale = self.flux.norm / reach.abs().powi(power + 2) * content / (y * y);
+            let scale = self.flux.norm / reach.abs().powi(power + 2) * x / (y * y);
             stress = q * correction * scale;
         }
         let u = self.u[i] / speed2;

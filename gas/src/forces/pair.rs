@@ -149,6 +149,8 @@ pub struct Flux {
     /// Whether what particles bring follows from mass and sound speed, and whether they bring a stress: branches that are always the same way.
     pub plain: bool,
     pub stressed: bool,
+    /// Whether that acts on masses.
+    by_mass: bool,
     /// Whether heat is conducted: a branch that is always the same way.
     pub conducts: bool,
     /// The factor of the kernel's slope.
@@ -170,6 +172,7 @@ impl Flux {
             three: d == 3,
             plain: hydro.plain(),
             stressed: hydro.stressed(),
+            by_mass: hydro.stress_by_mass(),
             conducts: hydro.conducts(),
             kernel: hydro.kernel,
             formulation: hydro.formulation,
@@ -245,7 +248,11 @@ impl Flux {
             |d| pull * d,
         );
         if self.stressed {
-            let (own, other) = (b.content * slope_a, a.content * slope_b);
+            let (own, other) = if self.by_mass {
+                (b.m * slope_a, a.m * slope_b)
+            } else {
+                (b.content * slope_a, a.content * slope_b)
+            };
             for ((force, dv), (row_a, row_b)) in
                 (force.iter_mut().zip(pair.dv)).zip(a.stress.iter().zip(&b.stress))
             {

@@ -315,6 +315,9 @@ pub fn name_of<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static 
 /// An artificial viscosity of some alpha and beta.
 type Making = fn(f64, f64) -> Viscosity;
 
+/// The place of the default among them.
+const CULLEN_DEHNEN: usize = 3;
+
 /// Artificial viscosities by name.
 const VISCOSITIES: [(&str, Making); 8] = [
     ("none", |_, _| Viscosity::None),
@@ -371,7 +374,7 @@ fn default_neighbours(kernel: KernelKind, facts: &Facts) -> f64 {
 fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
     let section = gas.section("viscosity");
     let names: [(&str, usize); VISCOSITIES.len()] = std::array::from_fn(|k| (VISCOSITIES[k].0, k));
-    let kind = section.choice("kind", &names, &[]).unwrap_or(2);
+    let kind = section.choice("kind", &names, &[]).unwrap_or(CULLEN_DEHNEN);
     if kind == 0 {
         section.misplaced(&["alpha", "beta"], "has no place in kind = \"none\"");
     }

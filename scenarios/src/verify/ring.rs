@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use coupling::System;
 use gas::{Gas, Hydro, Particles, Viscosity};
-use nbody::points::{Columns, Fault, Vec3};
+use nbody::points::{Columns, Vec3};
 
 use super::{Bar, Row};
 use crate::populate;
@@ -316,16 +316,15 @@ impl Budget {
     }
 }
 
-/// Runs a ring of `n` particles for up to `orbits`; `watch` sees what has become of it SAMPLES times an orbit.
+/// Runs a ring of `n` particles for up to `orbits`, or says why not; `watch` sees what has become of it SAMPLES times an orbit.
 pub fn life(
     n: usize,
     orbits: usize,
     scheme: &str,
     overrides: &[String],
     mut watch: impl FnMut(&Life),
-) -> Result<Life, Fault> {
-    let trial = Trial::new(&scene(n, scheme), overrides, lay_out);
-    let mut trial = trial.unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
+) -> Result<Life, String> {
+    let mut trial = Trial::new(&scene(n, scheme), overrides, lay_out)?;
     let n = trial.system.gas.len();
     let gas = trial.scene.gas.as_ref().expect("a ring of gas");
     let inviscid = Hydro {
@@ -373,7 +372,8 @@ pub fn life(
         life.cpu_s = stop.watch.cpu_s();
         watch(&life);
         alive
-    })?;
+    })
+    .map_err(|fault| fault.to_string())?;
     life.died = !alive;
     life.cpu_s = trial.cpu_s();
     life.update = trial.cpu_s() / trial.updates() as f64 * 1e6;
