@@ -12,6 +12,7 @@ mod dust {
 mod gas {
     mod allocation;
     mod cooling;
+    mod edges;
     mod sedov;
     mod shearing;
     mod shock_tube;

@@ -265,6 +265,10 @@ fn operators(
         if let Some(cooling) = cooling {
             list.push(Box::new(CoolGas { cooling }));
         }
+        let edges = scene.gas.as_ref().and_then(|g| populate::edges(scene, g));
+        if let Some(edges) = edges {
+            list.push(Box::new(edges));
+        }
     }
     let plan = plan(scene, integrator, step);
     let mut drift = DriftGas {

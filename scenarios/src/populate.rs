@@ -3,6 +3,7 @@
 use std::fmt;
 
 use coupling::System;
+use coupling::edge::{Balance, Edges, Zone};
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
 use gas::cooling::{Duration, Profile};
 use gas::eos::tillotson::MATERIALS;
@@ -362,6 +363,24 @@ fn disk_of(scene: &Scene, gas: &scene::Gas, disk: &scene::Disk) -> Disk {
     made
 }
 
+/// The zones that damp waves at the edges of the scene's disk; none if it has none.
+pub fn edges(scene: &Scene, gas: &scene::Gas) -> Option<Edges> {
+    let (edge, disk) = (gas.edge?, gas.disk?);
+    let zone = |begin: Option<f64>, whole: f64| begin.map(|begin| Zone { begin, whole });
+    let zones = [
+        zone(edge.inner_radius, disk.inner_radius),
+        zone(edge.outer_radius, disk.outer_radius),
+    ];
+    let made = disk_of(scene, gas, &disk);
+    // The disk's rotation is that about the star alone.
+    let balance: Option<Balance> = match scene.gravity.fluids_pull_gas() {
+        true => None,
+        false => Some(Box::new(move |x| made.rotation(x, 0.0))),
+    };
+    let zones = zones.into_iter().flatten().collect();
+    Some(Edges::new(zones, edge.time, balance))
+}
+
 fn resolution(scene: &Scene, gas: &scene::Gas) -> Resolution {
     let hydro = hydro(scene, gas);
     Resolution {
@@ -505,9 +524,7 @@ fn balance(scene: &Scene, disk: &scene::Disk, system: &mut System) {
     let Some(gas) = &scene.gas else { return };
     let made = disk_of(scene, gas, disk);
     let pulls = |source: scene::Mass| scene.gravity.pulls.has(source, scene::Mass::Gas);
-    if scene.gravity.method == scene::GravityMethod::None
-        || !(pulls(scene::Mass::Gas) || pulls(scene::Mass::Dust))
-    {
+    if !scene.gravity.fluids_pull_gas() {
         return;
     }
     let soft = |softening: scene::Softening, h: f64| match softening {
