@@ -1,13 +1,16 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
 mod field_steps;
+mod gammie;
 pub mod gas;
 mod orbits;
 pub mod ring;
 mod secular;
 mod shearing_glass;
+mod sheet;
 mod steps;
 mod stirring;
+mod toomre;
 mod wide_disk;
 
 use std::path::Path;
@@ -160,7 +163,7 @@ const fn of_scheme(
 }
 
 /// All problems, in the order in which they run.
-pub const PROBLEMS: [Problem; 28] = [
+pub const PROBLEMS: [Problem; 30] = [
     own(
         "sod",
         "shock tube of 57 600 particles in both precisions; about 1 minute",
@@ -185,6 +188,16 @@ pub const PROBLEMS: [Problem; 28] = [
         "keplerian-ring",
         "a cold ring of 16 000 particles, formulation by viscosity: orbits survived, torques, noise; about an hour of two cores",
         ring::rows,
+    ),
+    own(
+        "toomre",
+        "waves in a razor-thin annulus of 36 000 particles that pulls itself, one that oscillates and one that grows; about 4 minutes",
+        toomre::rows,
+    ),
+    own(
+        "gammie",
+        "razor-thin disks of 20 000 particles that pull themselves and cool: fragments or turbulence; about 6 minutes",
+        gammie::rows,
     ),
     own(
         "wide-disk",
