@@ -12,6 +12,8 @@
 use nbody::points::sum::{self, Parts};
 use nbody::points::{Clock, Fault, Vec3};
 
+pub mod rim;
+
 use crate::System;
 use crate::ledger::{Census, Totals};
 use crate::operator::{Meter, Operator, Phase};

@@ -339,6 +339,10 @@ fn operators(
             reaction: reaction(Mass::Gas, plan.gas),
             pacing,
         }));
+        let rim = scene.gas.as_ref().and_then(|g| populate::rim(scene, g));
+        if let Some(rim) = rim {
+            list.push(Box::new(rim));
+        }
         list.push(Box::new(drift));
     }
     if dust {

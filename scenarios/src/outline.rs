@@ -140,7 +140,15 @@ fn method(scene: &Scene) -> Option<String> {
                 true => " but for the rotation",
                 false => "",
             };
-            format!(", edges damped in {} / Omega{rotation}", edge.time)
+            let damped = match (edge.inner_radius, edge.outer_radius) {
+                (None, None) => String::new(),
+                _ => format!(", edges damped in {} / Omega{rotation}", edge.time),
+            };
+            let held = match edge.supported {
+                true => ", held at the accretion radius",
+                false => "",
+            };
+            damped + held
         }
         None => String::new(),
     };

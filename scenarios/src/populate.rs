@@ -3,6 +3,7 @@
 use std::fmt;
 
 use coupling::System;
+use coupling::edge::rim::Rim;
 use coupling::edge::{Balance, Edges, Zone};
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
 use gas::cooling::{Duration, Profile};
@@ -377,8 +378,22 @@ pub fn edges(scene: &Scene, gas: &scene::Gas) -> Option<Edges> {
         true => None,
         false => Some(Box::new(move |x| made.rotation(x, 0.0))),
     };
-    let zones = zones.into_iter().flatten().collect();
+    let zones: Vec<Zone> = zones.into_iter().flatten().collect();
+    if zones.is_empty() {
+        return None;
+    }
     Some(Edges::new(zones, edge.time, balance))
+}
+
+/// What holds the inner edge of the scene's disk at the accretion radius; none if nothing does.
+pub fn rim(scene: &Scene, gas: &scene::Gas) -> Option<Rim> {
+    let (_, disk) = (gas.edge.filter(|edge| edge.supported)?, gas.disk?);
+    let made = disk_of(scene, gas, &disk);
+    let profile = move |r: f64| {
+        let c = made.sound_speed(r);
+        [made.sigma(r) / made.scale_height(r), c * c]
+    };
+    Some(Rim::new(&hydro(scene, gas), Box::new(profile)))
 }
 
 fn resolution(scene: &Scene, gas: &scene::Gas) -> Resolution {

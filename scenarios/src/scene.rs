@@ -249,13 +249,15 @@ pub struct Temperature {
     pub reference_radius: f64,
 }
 
-/// Where zones at a disk's edges begin that damp waves; whole at the disk's own radii.
+/// Where zones at a disk's edges begin that damp waves, whole at the disk's own radii; and what holds the inner edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
     pub inner_radius: Option<f64>,
     pub outer_radius: Option<f64>,
     /// Of the damping, in 1/Omega.
     pub time: f64,
+    /// Whether gas at the accretion radius feels the pressure of what the star has accreted.
+    pub supported: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

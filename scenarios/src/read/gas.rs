@@ -247,7 +247,7 @@ pub fn block(section: Section<'_>, facts: &Facts) -> Block {
     block
 }
 
-/// The zones at the edges of a disk.
+/// The zones at the edges of a disk, and what holds the inner one.
 fn edge(gas: &Section<'_>, disk: Option<&Disk>) -> Option<Edge> {
     let section = gas.section("edge");
     if !section.present {
@@ -258,8 +258,12 @@ fn edge(gas: &Section<'_>, disk: Option<&Disk>) -> Option<Edge> {
     }
     let inner_radius = section.quantity("inner_radius", Kind::LENGTH, Range::POSITIVE);
     let outer_radius = section.quantity("outer_radius", Kind::LENGTH, Range::POSITIVE);
-    if !section.has("inner_radius") && !section.has("outer_radius") {
-        section.wrong("", "needs inner_radius, outer_radius or both");
+    let inner = section.choice("inner", &[("open", false), ("supported", true)], &[]);
+    if !["inner_radius", "outer_radius", "inner"]
+        .iter()
+        .any(|key| section.has(key))
+    {
+        section.wrong("", "needs inner_radius, outer_radius or inner");
     }
     if let Some(disk) = disk {
         let inside = |radius: f64| disk.inner_radius >= radius || radius >= disk.outer_radius;
@@ -282,6 +286,7 @@ fn edge(gas: &Section<'_>, disk: Option<&Disk>) -> Option<Edge> {
         inner_radius,
         outer_radius,
         time: section.number("time", Range::POSITIVE).unwrap_or(1.0),
+        supported: inner == Some(true),
     };
     section.close();
     Some(edge)

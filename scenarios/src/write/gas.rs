@@ -38,6 +38,7 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
             }
         }
         text.number("time", edge.time);
+        text.text("inner", if edge.supported { "supported" } else { "open" });
     }
     write_hydro(text, &gas.hydro);
     text.table("gas.viscosity");
