@@ -197,7 +197,7 @@ pub const PROBLEMS: [Problem; 31] = [
     ),
     own(
         "gammie",
-        "razor-thin disks of 20 000 particles that pull themselves and cool: fragments or turbulence; about 6 minutes",
+        "razor-thin disks of 20 000 particles that pull themselves and cool: fragments or turbulence; about 8 minutes",
         gammie::rows,
     ),
     own(

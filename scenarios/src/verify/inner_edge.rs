@@ -6,6 +6,7 @@
 use std::f64::consts::TAU;
 
 use coupling::System;
+use nbody::points::Columns;
 
 use super::{Bar, Row};
 use crate::trial::Trial;
@@ -37,7 +38,10 @@ pub fn rows() -> Vec<Row> {
         rows.push(Row::new(
             format!("{name}: orbits to the loss of a tenth (up to {ORBITS})"),
             life.tenth,
-            Bar::None,
+            match name {
+                "both" => Bar::Least([10.0, 6.0]),
+                _ => Bar::None,
+            },
         ));
         for (orbits, loss) in life.losses {
             rows.push(Row::new(
