@@ -13,6 +13,7 @@ mod gas {
     mod allocation;
     mod cooling;
     mod extremes;
+    mod edges;
     mod sedov;
     mod shearing;
     mod shock_tube;

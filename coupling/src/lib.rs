@@ -6,6 +6,7 @@ pub mod accretion;
 pub mod cooling;
 pub mod drag;
 pub mod drift;
+pub mod edge;
 pub mod external;
 pub mod gravity;
 pub mod kick;

@@ -265,6 +265,10 @@ fn operators(
         if let Some(cooling) = cooling {
             list.push(Box::new(CoolGas { cooling }));
         }
+        let edges = scene.gas.as_ref().and_then(|g| populate::edges(scene, g));
+        if let Some(edges) = edges {
+            list.push(Box::new(edges));
+        }
     }
     let plan = plan(scene, integrator, step);
     let mut drift = DriftGas {
@@ -335,6 +339,10 @@ fn operators(
             reaction: reaction(Mass::Gas, plan.gas),
             pacing,
         }));
+        let rim = scene.gas.as_ref().and_then(|g| populate::rim(scene, g));
+        if let Some(rim) = rim {
+            list.push(Box::new(rim));
+        }
         list.push(Box::new(drift));
     }
     if dust {

@@ -134,8 +134,26 @@ fn method(scene: &Scene) -> Option<String> {
             CoolingTime::Time(time) => format!(", relaxing in {time} units of time"),
         },
     };
+    let edge = match gas.edge {
+        Some(edge) => {
+            let rotation = match scene.gravity.fluids_pull_gas() {
+                true => " but for the rotation",
+                false => "",
+            };
+            let damped = match (edge.inner_radius, edge.outer_radius) {
+                (None, None) => String::new(),
+                _ => format!(", edges damped in {} / Omega{rotation}", edge.time),
+            };
+            let held = match edge.supported {
+                true => ", held at the accretion radius",
+                false => "",
+            };
+            damped + held
+        }
+        None => String::new(),
+    };
     Some(format!(
-        "gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{cooling}",
+        "gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{cooling}{edge}",
         gas.hydro.neighbours
     ))
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 
 use coupling::System;
+use coupling::edge::rim::Rim;
+use coupling::edge::{Balance, Edges, Zone};
 use dust::{Dust, Molecules, StoppingLaw, Superparticles};
 use gas::cooling::{Duration, Profile};
 use gas::eos::tillotson::MATERIALS;
@@ -362,6 +364,38 @@ fn disk_of(scene: &Scene, gas: &scene::Gas, disk: &scene::Disk) -> Disk {
     made
 }
 
+/// The zones that damp waves at the edges of the scene's disk; none if it has none.
+pub fn edges(scene: &Scene, gas: &scene::Gas) -> Option<Edges> {
+    let (edge, disk) = (gas.edge?, gas.disk?);
+    let zone = |begin: Option<f64>, whole: f64| begin.map(|begin| Zone { begin, whole });
+    let zones = [
+        zone(edge.inner_radius, disk.inner_radius),
+        zone(edge.outer_radius, disk.outer_radius),
+    ];
+    let made = disk_of(scene, gas, &disk);
+    // The disk's rotation is that about the star alone.
+    let balance: Option<Balance> = match scene.gravity.fluids_pull_gas() {
+        true => None,
+        false => Some(Box::new(move |x| made.rotation(x, 0.0))),
+    };
+    let zones: Vec<Zone> = zones.into_iter().flatten().collect();
+    if zones.is_empty() {
+        return None;
+    }
+    Some(Edges::new(zones, edge.time, balance))
+}
+
+/// What holds the inner edge of the scene's disk at the accretion radius; none if nothing does.
+pub fn rim(scene: &Scene, gas: &scene::Gas) -> Option<Rim> {
+    let (_, disk) = (gas.edge.filter(|edge| edge.supported)?, gas.disk?);
+    let made = disk_of(scene, gas, &disk);
+    let profile = move |r: f64| {
+        let c = made.sound_speed(r);
+        [made.sigma(r) / made.scale_height(r), c * c]
+    };
+    Some(Rim::new(&hydro(scene, gas), Box::new(profile)))
+}
+
 fn resolution(scene: &Scene, gas: &scene::Gas) -> Resolution {
     let hydro = hydro(scene, gas);
     Resolution {
@@ -505,9 +539,7 @@ fn balance(scene: &Scene, disk: &scene::Disk, system: &mut System) {
     let Some(gas) = &scene.gas else { return };
     let made = disk_of(scene, gas, disk);
     let pulls = |source: scene::Mass| scene.gravity.pulls.has(source, scene::Mass::Gas);
-    if scene.gravity.method == scene::GravityMethod::None
-        || !(pulls(scene::Mass::Gas) || pulls(scene::Mass::Dust))
-    {
+    if !scene.gravity.fluids_pull_gas() {
         return;
     }
     let soft = |softening: scene::Softening, h: f64| match softening {

@@ -100,6 +100,8 @@ pub struct Gas {
     /// None of what is no gas.
     pub mean_molecular_weight: Option<f64>,
     pub cooling: Cooling,
+    /// Zones that damp waves; those of a generated disk alone.
+    pub edge: Option<Edge>,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
     pub physical: Physical,
@@ -245,6 +247,17 @@ pub struct Temperature {
     pub sound_speed: f64,
     pub exponent: f64,
     pub reference_radius: f64,
+}
+
+/// Where zones at a disk's edges begin that damp waves, whole at the disk's own radii; and what holds the inner edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    pub inner_radius: Option<f64>,
+    pub outer_radius: Option<f64>,
+    /// Of the damping, in 1/Omega.
+    pub time: f64,
+    /// Whether gas at the accretion radius feels the pressure of what the star has accreted.
+    pub supported: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -496,6 +509,14 @@ impl Scene {
     pub fn has_surroundings(&self) -> bool {
         self.surroundings != Surroundings::default()
             || self.planets.iter().any(|p| p.migration_time.is_some())
+    }
+}
+
+impl Gravity {
+    /// Whether gas or dust pull the gas.
+    pub fn fluids_pull_gas(&self) -> bool {
+        let pulls = |source| self.pulls.has(source, Mass::Gas);
+        self.method != GravityMethod::None && (pulls(Mass::Gas) || pulls(Mass::Dust))
     }
 }
 

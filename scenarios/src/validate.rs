@@ -101,6 +101,15 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
         complaints.say("star", sentence);
     }
     bodies_in_a_shearing_box(scene, complaints);
+    let edge = scene.gas.as_ref().and_then(|gas| gas.edge);
+    if edge.is_some_and(|edge| edge.supported)
+        && scene.star.is_some_and(|star| star.accretion_radius == 0.0)
+    {
+        complaints.say(
+            "gas.edge.inner",
+            "needs star.accretion_radius, at which it is",
+        );
+    }
     if let Some(star) = scene.star
         && let Some(disk) = scene.gas.as_ref().and_then(|gas| gas.disk)
         && star.accretion_radius > disk.inner_radius

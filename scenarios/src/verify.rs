@@ -1,13 +1,17 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
 mod field_steps;
+mod gammie;
 pub mod gas;
+mod inner_edge;
 mod orbits;
 pub mod ring;
 mod secular;
 mod shearing_glass;
+mod sheet;
 mod steps;
 mod stirring;
+mod toomre;
 mod wide_disk;
 
 use std::path::Path;
@@ -160,7 +164,7 @@ const fn of_scheme(
 }
 
 /// All problems, in the order in which they run.
-pub const PROBLEMS: [Problem; 28] = [
+pub const PROBLEMS: [Problem; 31] = [
     own(
         "sod",
         "shock tube of 57 600 particles in both precisions; about 1 minute",
@@ -187,9 +191,24 @@ pub const PROBLEMS: [Problem; 28] = [
         ring::rows,
     ),
     own(
+        "toomre",
+        "waves in a razor-thin annulus of 60 000 particles that pulls itself, one that oscillates and one that grows; about 1 minute",
+        toomre::rows,
+    ),
+    own(
+        "gammie",
+        "razor-thin disks of 20 000 particles that pull themselves and cool: fragments or turbulence; about 8 minutes",
+        gammie::rows,
+    ),
+    own(
         "wide-disk",
         "a gas disk of 1e5 particles without self-gravity through three orbits of its inner edge; about 1 minute",
         wide_disk::rows,
+    ),
+    own(
+        "inner-edge",
+        "the wide disk's inner edge with 20 000 particles, by what holds it, through twelve of its orbits; about 2 minutes",
+        inner_edge::rows,
     ),
     own(
         "individual-steps",

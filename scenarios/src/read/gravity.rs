@@ -130,14 +130,15 @@ fn opening(section: &Section<'_>, facts: &Facts) -> Opening {
     }
 }
 
-/// A source without a list pulls all that the scene has; in two dimensions, where masses are not points, the star alone pulls.
+/// A source without a list pulls all that the scene has; in two dimensions the star alone, and gas by a list: a razor-thin sheet in space.
 fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
     let table = section.section("pulls");
     let planar = scene.domain.dimensions() == 2;
     let mut pulls = Pulls::default();
     for (name, source) in MASSES {
         let listed = table.choices(name, &MASSES);
-        let may = scene.has(source) && (!planar || source == Mass::Star);
+        let sheet = source == Mass::Gas && listed.is_some();
+        let may = scene.has(source) && (!planar || sheet || source == Mass::Star);
         if listed.as_ref().is_some_and(|targets| !targets.is_empty()) {
             if method == GravityMethod::None {
                 table.wrong(name, "has no place beside gravity.method = \"none\"");
@@ -146,7 +147,7 @@ fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
             } else if !may {
                 table.wrong(
                     name,
-                    "cannot pull in two dimensions, where the star alone may",
+                    "cannot pull in two dimensions, where star and gas alone may",
                 );
             }
         }

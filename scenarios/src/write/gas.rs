@@ -27,6 +27,19 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
         }
     }
     write_cooling(text, &gas.cooling);
+    if let Some(edge) = &gas.edge {
+        text.table("gas.edge");
+        for (key, radius) in [
+            ("inner_radius", edge.inner_radius),
+            ("outer_radius", edge.outer_radius),
+        ] {
+            if let Some(radius) = radius {
+                text.number(key, radius);
+            }
+        }
+        text.number("time", edge.time);
+        text.text("inner", if edge.supported { "supported" } else { "open" });
+    }
     write_hydro(text, &gas.hydro);
     text.table("gas.viscosity");
     text.text("kind", viscosity_name(&gas.viscosity));

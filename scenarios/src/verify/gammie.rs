@@ -1,0 +1,297 @@
+//! A disk that pulls itself and cools in beta / Omega: fast cooling breaks it into clumps, slow cooling keeps it turbulent (Gammie 2001).
+//!
+//! Razor-thin, G = M = 1, Sigma ~ 1/R between 0.5 and 1.5 of 0.1 M in all, gamma = 5/3, Q = 1.3 everywhere at the start; noise of a third of the particles'
+//! distance. Softening: half a particle's distance at R = 1, a sixth of c/Omega. A fragment is a place of more than 100 times the surface density that was at its
+//! distance from the star, whose surroundings are bound: kinetic, internal and potential energy within 0.03 of it, about their mean motion.
+//! A run ends there. Accepted: fragments at beta <= 3, none at beta = 30.
+//!
+//! alpha = 4 / (9 gamma (gamma - 1) beta) where cooling balances the stress's heat. Measured over the second half of a slow run, for R from 0.7 to 1.3:
+//! alpha = 2/3 < v_R dv_phi Sigma > / < Sigma c^2 >, and 2/3 F / (2 pi R^2 Sigma c^2) of the torque F of the gas inside of R on that outside.
+//! Artificial viscosity heats too: both together are less than what balances the cooling.
+//! Sources: Gammie (2001), ApJ 553, 174; Rice, Lodato & Armitage (2005) for gamma = 5/3 (in space).
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use coupling::System;
+use gas::Particles;
+use nbody::points::random::{Purpose, stream};
+use nbody::points::{Columns, Fault, Vec3};
+use rand::RngExt;
+
+use super::sheet::{Ring, Sheet};
+use super::{Bar, Row};
+use crate::trial::Trial;
+
+const PARTICLES: usize = 20_000;
+const GAMMA: f64 = 5.0 / 3.0;
+const MASS: f64 = 0.1;
+const Q: f64 = 1.3;
+const INNER: f64 = 0.5;
+const OUTER: f64 = 1.5;
+const EDGE: f64 = 0.02;
+const SOFTENING: f64 = 0.009;
+/// By what the surface density has to grow.
+const CONTRAST: f64 = 100.0;
+/// Size of a fragment.
+const SIZE: f64 = 0.03;
+/// Orbits at R = 1, by beta.
+const CASES: [(f64, f64); 4] = [(2.0, 6.0), (3.0, 6.0), (10.0, 8.0), (30.0, 12.0)];
+/// Stops an orbit.
+const STOPS: usize = 10;
+
+/// Surface density without edges.
+fn within(r: f64) -> f64 {
+    MASS / (TAU * (OUTER - INNER) * r)
+}
+
+fn sigma(r: f64) -> f64 {
+    let edge = |d: f64| 1.0 / (1.0 + (d / EDGE).exp());
+    within(r) * edge(INNER - r) * edge(r - OUTER)
+}
+
+/// Sound speed at the start.
+fn sound_speed(r: f64) -> f64 {
+    Q * PI * within(r) * r.powf(1.5)
+}
+
+fn scene(beta: f64) -> String {
+    format!(
+        r#"
+title = "Cooling disk"
+[run]
+end_time = 1.0
+[units]
+system = "dimensionless"
+[domain]
+kind = "open"
+dimensions = 2
+[star]
+mass = 1.0
+accretion_radius = 0.2
+[gas]
+softening = {SOFTENING}
+[[gas.block]]
+lo = [0.0, 0.0, 0.0]
+hi = [{PARTICLES}.0, 1.0, 0.0]
+spacing = 1.0
+density = 1.0
+pressure = 1.0
+[gas.eos]
+kind = "ideal"
+gamma = {GAMMA}
+[gas.cooling]
+kind = "beta"
+beta = {beta}
+[gravity]
+pulls = {{ gas = ["gas"] }}
+"#
+    )
+}
+
+/// What became of a disk.
+#[derive(Clone, Copy, Debug, Default)]
+struct End {
+    orbits: f64,
+    /// The largest surface density by that at the start, ever.
+    peak: f64,
+    fragment: Option<Fragment>,
+    /// By velocities and by gravity.
+    alpha: [f64; 2],
+    /// Mean of Q at the end.
+    q: f64,
+}
+
+/// What is within a fragment.
+#[derive(Clone, Copy, Debug)]
+struct Fragment {
+    particles: usize,
+    /// By the disk's.
+    mass: f64,
+    /// Kinetic and internal energy by the size of the potential one.
+    heat: f64,
+}
+
+pub fn rows() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (beta, orbits) in CASES {
+        let end = run(beta, orbits).unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
+        let fast = beta <= 3.0;
+        let mut row = |what: &str, measured: f64, bar: Bar| {
+            rows.push(Row::new(format!("beta = {beta}: {what}"), measured, bar));
+        };
+        row(
+            "largest surface density by that at the start",
+            end.peak,
+            match beta {
+                _ if fast => Bar::Least([CONTRAST, 0.3 * CONTRAST]),
+                // Between the accepted bounds either may happen.
+                10.0 => Bar::None,
+                _ => Bar::Limit([0.05 * CONTRAST, 0.3 * CONTRAST]),
+            },
+        );
+        row("orbits", end.orbits, Bar::None);
+        if let Some(fragment) = end.fragment {
+            row("particles within", fragment.particles as f64, Bar::None);
+            row("their mass by the disk's", fragment.mass, Bar::None);
+        }
+        if fast || end.fragment.is_some() {
+            // Not a number, and so failed, without a fragment.
+            let heat = end.fragment.map_or(f64::NAN, |fragment| fragment.heat);
+            row(
+                "kinetic and internal energy by the potential one's size",
+                heat,
+                Bar::Limit([0.9, 1.0]),
+            );
+        } else {
+            let [velocities, gravity] = end.alpha;
+            let expected = 4.0 / (9.0 * GAMMA * (GAMMA - 1.0) * beta);
+            row("alpha of the velocities", velocities, Bar::None);
+            row("alpha of gravity", gravity, Bar::None);
+            row("alpha that balances the cooling", expected, Bar::None);
+            row(
+                "alpha measured by it",
+                (velocities + gravity) / expected,
+                Bar::None,
+            );
+            row("Q at the end", end.q, Bar::None);
+        }
+    }
+    rows
+}
+
+fn run(beta: f64, orbits: f64) -> Result<End, Fault> {
+    let sheet = Sheet {
+        sigma: &sigma,
+        inner: INNER - 5.0 * EDGE,
+        outer: OUTER + 5.0 * EDGE,
+        particles: PARTICLES,
+        softening: SOFTENING,
+    };
+    let rings = sheet.rings();
+    let trial = Trial::new(&scene(beta), &[], |gas| lay_out(gas, &sheet, &rings));
+    let mut trial = trial.unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
+    let number = (orbits * STOPS as f64) as usize;
+    let stops: Vec<f64> = (0..=number)
+        .map(|k| TAU * k as f64 / STOPS as f64)
+        .collect();
+    let (mut end, mut samples) = (End::default(), 0.0);
+    trial.run_while(&stops, |stop| {
+        end.orbits = stop.system.clock.time() / TAU;
+        let (place, contrast) = densest(stop.system);
+        end.peak = end.peak.max(contrast);
+        if contrast > CONTRAST {
+            end.fragment = Some(fragment(stop.system, place));
+            return end.fragment.is_some_and(|fragment| fragment.heat >= 1.0);
+        }
+        if 2.0 * end.orbits >= orbits {
+            let (alpha, q) = stress(stop.system);
+            samples += 1.0;
+            for (mean, alpha) in end.alpha.iter_mut().zip(alpha) {
+                *mean += (alpha - *mean) / samples;
+            }
+            end.q = q;
+        }
+        true
+    })?;
+    Ok(end)
+}
+
+/// Lays the disk out in balance, with noise.
+fn lay_out(gas: &mut Particles, sheet: &Sheet, rings: &[Ring]) {
+    let pressure = |r: f64| sigma(r) * sound_speed(r).powi(2) / GAMMA;
+    let momenta: Vec<f64> = (rings.iter())
+        .map(|ring| {
+            let r = ring.radius;
+            let slope = (pressure(r + 1e-6) - pressure(r - 1e-6)) / 2e-6;
+            ring.momentum(-slope / sigma(r))
+        })
+        .collect();
+    sheet.lay_out(gas, rings, (&momenta, |_| 0.0));
+    for i in 0..gas.len() {
+        let r = gas.x[i].norm();
+        let spacing = (gas.m[i] / within(r)).sqrt();
+        let mut random = stream(1, Purpose::GasPositions, gas.id[i], 0);
+        let mut noise = || 2.0 * random.random::<f64>() - 1.0;
+        gas.x[i] += spacing / 3.0 * Vec3::new(noise(), noise(), 0.0);
+        gas.u[i] = sound_speed(r).powi(2) / (GAMMA * (GAMMA - 1.0));
+    }
+}
+
+/// The particle of the largest surface density by that at the start, and that ratio; not a number if one is none.
+fn densest(system: &System) -> (usize, f64) {
+    let (gas, star) = (&system.gas, system.star.x[0]);
+    let contrast = |i: usize| gas.derived.rho[i] / within((gas.particles.x[i] - star).norm());
+    let all = (0..gas.len()).map(|i| (i, contrast(i)));
+    all.fold(
+        (0, 0.0),
+        |a, b| if a.1 >= b.1 || a.1.is_nan() { a } else { b },
+    )
+}
+
+/// What is about particle `place`.
+fn fragment(system: &System, place: usize) -> Fragment {
+    let p = &system.gas.particles;
+    let near: Vec<usize> = (0..p.len())
+        .filter(|&i| (p.x[i] - p.x[place]).norm() < SIZE)
+        .collect();
+    let mass: f64 = near.iter().map(|&i| p.m[i]).sum();
+    let drift = near.iter().map(|&i| p.m[i] * p.v[i]).sum::<Vec3>() / mass;
+    let mut motion = 0.0;
+    let mut potential = 0.0;
+    for (k, &i) in near.iter().enumerate() {
+        motion += p.m[i] * (0.5 * (p.v[i] - drift).norm_squared() + p.u[i]);
+        for &j in &near[..k] {
+            let d = (p.x[i] - p.x[j]).norm().hypot(SQRT_2 * SOFTENING);
+            potential += p.m[i] * p.m[j] / d;
+        }
+    }
+    Fragment {
+        particles: near.len(),
+        mass: mass / MASS,
+        heat: motion / potential,
+    }
+}
+
+/// alpha of velocities and of gravity, and the mean of Q by mass, for R from 0.7 to 1.3.
+fn stress(system: &System) -> ([f64; 2], f64) {
+    const RINGS: usize = 12;
+    const FIRST: f64 = 0.7;
+    const WIDTH: f64 = 0.05;
+    let gas = &system.gas;
+    let (p, star) = (&gas.particles, (system.star.x[0], system.star.v[0]));
+    // Of a ring: mass, and by mass v_R, v_phi, v_R v_phi, c^2; and the torque on it.
+    let mut rings = [[0.0; 5]; RINGS];
+    let mut torques = [0.0; RINGS + 1];
+    for i in 0..p.len() {
+        let (x, v) = (p.x[i] - star.0, p.v[i] - star.1);
+        let r = x.norm();
+        let (v_r, v_phi) = (x.dot(&v) / r, x.cross(&v).z / r);
+        let place = (r - FIRST) / WIDTH;
+        // Particles beyond the first edges that lie within theirs feel all gas inside of it: forces among them cancel.
+        let torque = p.m[i] * x.cross(&gas.rates.attraction(i)).z;
+        for (edge, sum) in torques.iter_mut().enumerate() {
+            *sum += if place >= edge as f64 { torque } else { 0.0 };
+        }
+        if (0.0..RINGS as f64).contains(&place) {
+            let c2 = gas.derived.cs[i].powi(2);
+            // What the mean rotation changes by within a ring is no stress.
+            let v_phi = v_phi - r.powf(-0.5);
+            let sums = &mut rings[place as usize];
+            for (sum, value) in sums.iter_mut().zip([1.0, v_r, v_phi, v_r * v_phi, c2]) {
+                *sum += p.m[i] * value;
+            }
+        }
+    }
+    let (mut alpha, mut q, mut all) = ([0.0; 2], 0.0, 0.0);
+    for (k, [m, v_r, v_phi, both, c2]) in rings.into_iter().enumerate() {
+        let r = FIRST + (k as f64 + 0.5) * WIDTH;
+        let torque = 0.5 * (torques[k] + torques[k + 1]);
+        // m c^2 / (2 pi R width) is Sigma c^2: F = 2 pi R^2 T.
+        alpha[0] += 2.0 / 3.0 * (both - v_r * v_phi / m) / c2 * m;
+        alpha[1] += 2.0 / 3.0 * torque * WIDTH / (r * c2) * m;
+        let sigma = m / (TAU * r * WIDTH);
+        q += (c2 / m).sqrt() * r.powf(-1.5) / (PI * sigma) * m;
+        all += m;
+    }
+    (alpha.map(|alpha| alpha / all), q / all)
+}
