@@ -2,8 +2,8 @@
 //!
 //! f = C mu theta K(r/s) r,   K(q) = 20 sigma [ (1 - q/aR)^3 / (aR)^(d+2) - (1 - q/R)^3 / R^(d+2) ],   brackets zero where negative
 //!
-//! That is -s^(d+2) phi' / r of the kernel C2 of Wendland, s the smaller one of the pair's. Exchange: the mean gradient along r, but no more
-//! than the pair differs along that, and no more of u than the pair's smaller: where fields jump, nothing is carried past.
+//! That is -s^(d+2) phi' / r of the kernel C2 of Wendland, s the smaller one of the pair's. Exchange: the mean gradient along r; of u no more
+//! than the pair differs, and no more than the pair's smaller: it stays positive.
 
 use nbody::points::{Domain, Vec3};
 
@@ -14,9 +14,9 @@ use crate::kernel::{Kernel, WendlandC2};
 /// R: how far the kernel reaches, in mean distances of particles.
 pub(super) const REACH: f64 = 2.5;
 /// a: the reach of the repulsive part by R.
-const INNER: f64 = 0.7;
-/// C: with it the shortest waves of a lattice's disorder fall by about a factor theta.
-const PACE: f64 = 0.25;
+const INNER: f64 = 0.6;
+/// C: with it the shortest waves of the disorder of a hexagonal lattice fall by 1.2 theta, those of six times its spacing by 0.1 theta.
+const PACE: f64 = 0.2;
 
 /// What the first of a pair receives, times its mass; the second receives the opposite.
 pub(super) struct Pair {
@@ -68,7 +68,7 @@ impl Law {
         };
         Some(Pair {
             shift: k * r,
-            impulse: k * supported(slope.norm_squared(), slope.dot(&(a.w - b.w))) * slope,
+            impulse: k * slope,
             heat: k * heat,
         })
     }

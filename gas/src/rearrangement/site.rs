@@ -84,8 +84,9 @@ fn surroundings(sites: &[Site], i: usize, near: &[(u32, Vec3)], hydro: &Hydro) -
     let (mut spread, mut w, mut u) = (Matrix3::zeros(), Matrix3::zeros(), Vec3::zeros());
     for &(j, x) in near {
         let r = domain.in_plane(x - own.x);
-        let q = r.norm() / own.reach;
-        if q < 1.0 {
+        let square = r.norm_squared();
+        if square < own.reach * own.reach {
+            let q = square.sqrt() / own.reach;
             let other = &sites[j as usize];
             let weight = (1.0 - q).powi(4) * (1.0 + 4.0 * q);
             let arm = weight * r;
