@@ -1,7 +1,7 @@
 //! The settlement of a shift: velocities and energies are given what keeps the fields in place, and the sums are brought back.
 //!
 //! Work of the exchange: sum p_ij . (v_i - v_j), v in the middle of the change; each of a pair pays one half out of its u.
-//! Torque: T_i = sum_j [ f_ij x (v_i - v_j) + r'_ij x p_ij ] / 2; groups that follow each other along the curve turn as rigid bodies about their
+//! Torque: T_i = sum_j [ f_ij x (v_i - v_j) + r'_ij x p_ij ] / 2, v before the kicks that close the step, which turn nothing at the new places; groups that follow each other along the curve turn as rigid bodies about their
 //! centres so that they take up the T of their own. In closed domains, that have no angular momentum to keep, they do not.
 
 use std::ops::Range;
@@ -12,6 +12,7 @@ use nbody::points::{Domain, Vec3};
 use rayon::prelude::*;
 
 use super::pair::Law;
+use super::site::Site;
 use super::{Move, Rearrangement, Settled, each};
 use crate::{Gas, Heat, Hydro};
 
@@ -69,6 +70,7 @@ impl Rearrangement {
             let group = Group {
                 x: &x[own.clone()],
                 m: &m[own.clone()],
+                sites: &self.sites[own.clone()],
                 moves: &moves[own.clone()],
                 dues: &dues[own.clone()],
             };
@@ -103,7 +105,8 @@ impl Rearrangement {
                 let middle = apart + 0.5 * (moves[i].v - moves[j].v);
                 due.work += 0.5 * pair.impulse.dot(&middle);
                 let after = r + moves[i].x - moves[j].x;
-                due.torque += 0.5 * (pair.shift.cross(&apart) + after.cross(&pair.impulse));
+                let drifted = sites[i].v - sites[j].v;
+                due.torque += 0.5 * (pair.shift.cross(&drifted) + after.cross(&pair.impulse));
             }
             // SAFETY: each particle is visited once.
             unsafe { parts.part(i..i + 1)[0] = due };
@@ -128,6 +131,7 @@ impl Settled {
 struct Group<'a> {
     x: &'a [Vec3],
     m: &'a [f64],
+    sites: &'a [Site],
     moves: &'a [Move],
     dues: &'a [Due],
 }
@@ -150,7 +154,7 @@ impl Group<'_> {
             settled.kinetic += m * change.dot(&(0.5 * (v[k] + before)));
             settled.momentum += m * change;
             settled.angular_momentum +=
-                self.x[k].cross(&(m * change)) + self.moves[k].x.cross(&(m * before));
+                self.x[k].cross(&(m * change)) + self.moves[k].x.cross(&(m * self.sites[k].v));
         }
         for k in 0..u.len() {
             let (m, before) = (self.m[k], u[k]);

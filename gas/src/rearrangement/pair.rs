@@ -14,9 +14,9 @@ use crate::kernel::{Kernel, WendlandC2};
 /// R: how far the kernel reaches, in mean distances of particles.
 pub(super) const REACH: f64 = 2.5;
 /// a: the reach of the repulsive part by R.
-const INNER: f64 = 0.6;
-/// C: with it the shortest waves of the disorder of a hexagonal lattice fall by 1.2 theta, those of six times its spacing by 0.1 theta.
-const PACE: f64 = 0.2;
+const INNER: f64 = 0.7;
+/// C: with it the shortest waves of the disorder of a hexagonal lattice fall by 1.1 theta, those of six times its spacing by 0.06 theta.
+const PACE: f64 = 0.25;
 
 /// What the first of a pair receives, times its mass; the second receives the opposite.
 pub(super) struct Pair {

@@ -22,6 +22,8 @@ pub(super) struct Site {
     pub x: Vec3,
     /// Velocity relative to the shear of the frame.
     pub w: Vec3,
+    /// The velocity that the particle has drifted with, not yet closed.
+    pub v: Vec3,
     pub u: f64,
     pub m: f64,
     /// Mean distance of particles, and how far a site sees others.
@@ -50,6 +52,7 @@ pub(super) fn survey(sites: &mut Vec<Site>, gas: &Gas, hydro: &Hydro, strain: f6
     sites.extend((0..gas.len()).map(|i| Site {
         x: p.x[i],
         w: domain.relative(p.x[i], r.v_pred[i]),
+        v: p.v[i],
         u: r.u_pred[i],
         m: p.m[i],
         s: spacing * p.h[i],
