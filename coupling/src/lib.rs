@@ -12,6 +12,7 @@ pub mod gravity;
 pub mod kick;
 pub mod ledger;
 pub mod operator;
+pub mod rearrange;
 pub mod splitting;
 pub mod system;
 

@@ -16,6 +16,7 @@ mod leaves;
 mod neighbours;
 pub mod particles;
 pub mod probe;
+pub mod rearrangement;
 #[cfg(test)]
 mod samples;
 pub mod timestep;
@@ -35,6 +36,7 @@ pub use kernel::{
     CubicSpline, Kernel, KernelKind, QuinticSpline, WendlandC2, WendlandC4, WendlandC6,
 };
 pub use particles::{Derived, Gas, Particles, Rates};
+pub use rearrangement::Rearrangement;
 pub use timestep::Heat;
 pub use totals::Totals;
 pub use viscosity::Viscosity;

@@ -194,6 +194,11 @@ impl Gas {
 
     /// Brings all columns into the order of the Morton curve and builds the tree anew.
     pub fn sort(&mut self) {
+        self.sort_with(|_| ());
+    }
+
+    /// The same; `permute` brings what others keep of the gas into the new order.
+    pub(crate) fn sort_with(&mut self, permute: impl FnOnce(&[u32])) {
         if self.len() > MANY {
             // Sweeps fill it anew: until then its memory serves to sort.
             self.packed = Both::default();
@@ -203,6 +208,7 @@ impl Gas {
         self.cube = Some(cube);
         self.waste = 0.0;
         let order = &self.curve.order;
+        permute(order);
         let sets: [&mut dyn Columns; 3] = [&mut self.particles, &mut self.derived, &mut self.rates];
         for set in sets {
             if order.len() > MANY {
@@ -237,7 +243,7 @@ impl Gas {
     }
 
     /// Brings positions back into the box.
-    fn wrap(&mut self, domain: &Domain) -> Vec3 {
+    pub(crate) fn wrap(&mut self, domain: &Domain) -> Vec3 {
         let (p, v_pred) = (&mut self.particles, &mut self.rates.v_pred);
         if domain.hill().is_none() {
             p.x.par_iter_mut().with_min_len(CHUNK).for_each(|x| {

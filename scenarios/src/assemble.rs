@@ -14,6 +14,7 @@ use coupling::external::{
 };
 use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
+use coupling::rearrange::RearrangeGas;
 use coupling::{Operator, Splitting, System};
 use nbody::gravity as solver;
 use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
@@ -259,6 +260,11 @@ fn operators(
     let hydro = scene.gas.as_ref().map(|g| populate::hydro(scene, g));
     let mut list: Vec<Box<dyn Operator>> = Vec::new();
     if let Some(hydro) = hydro.clone().filter(|_| gas) {
+        let strength = scene.gas.as_ref().map_or(0.0, |gas| gas.rearrange);
+        if strength > 0.0 {
+            // Moves before densities are found, and settles after all else is closed.
+            list.push(Box::new(RearrangeGas::new(hydro.clone(), strength)));
+        }
         list.push(Box::new(Density { hydro }));
         // Closes after all that heats the gas.
         let cooling = scene.gas.as_ref().and_then(populate::cooling);

@@ -115,6 +115,11 @@ fn method(scene: &Scene) -> Option<String> {
     } else {
         String::new()
     };
+    let rearranged = if gas.rearrange > 0.0 {
+        format!(", rearranged at {} times the shear", gas.rearrange)
+    } else {
+        String::new()
+    };
     let eos = match &gas.eos {
         Eos::Ideal { gamma } => format!("ideal, gamma = {gamma}"),
         Eos::Barotropic(law) => format!("barotropic, gamma = {} when dense", law.gamma),
@@ -153,7 +158,7 @@ fn method(scene: &Scene) -> Option<String> {
         None => String::new(),
     };
     Some(format!(
-        "gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{cooling}{edge}",
+"gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{rearranged}{cooling}{edge}",
         gas.hydro.neighbours
     ))
 }

@@ -107,6 +107,8 @@ pub struct Gas {
     pub physical: Physical,
     /// alpha of the conduction; none if zero.
     pub conduction: f64,
+    /// Rate of the rearrangement by that of the shear; none if zero.
+    pub rearrange: f64,
 }
 
 /// A disk about the star: Sigma ~ r^slope between the radii, c_s ~ r^-exponent, H/r = aspect_ratio at the reference radius.

@@ -48,6 +48,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         viscosity,
         physical,
         conduction,
+        rearrange: rearrangement(&section),
     };
     section.close();
     Some(gas)
@@ -464,4 +465,16 @@ fn conduction(gas: &Section<'_>, eos: &Eos) -> f64 {
     }
     section.close();
     alpha
+}
+
+/// The rate of the rearrangement by that of the shear.
+fn rearrangement(gas: &Section<'_>) -> f64 {
+    const STRENGTH: Range = Range {
+        test: |strength| (0.0..=100.0).contains(&strength),
+        text: "from 0 to 100, the rate of the rearrangement by that of the shear",
+    };
+    let section = gas.section("rearrange");
+    let strength = section.number("strength", STRENGTH).unwrap_or(0.0);
+    section.close();
+    strength
 }

@@ -54,6 +54,8 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     }
     text.table("gas.conduction");
     text.number("alpha", gas.conduction);
+    text.table("gas.rearrange");
+    text.number("strength", gas.rearrange);
 }
 
 fn write_eos(text: &mut Text, gas: &Gas) {
