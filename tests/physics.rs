@@ -12,8 +12,8 @@ mod dust {
 mod gas {
     mod allocation;
     mod cooling;
-    mod extremes;
     mod edges;
+    mod extremes;
     mod sedov;
     mod shearing;
     mod shock_tube;

@@ -108,24 +108,26 @@ impl Hydro {
 
     /// Whether stresses act on masses, whatever the pressure acts on: sums of pressures weigh nothing where gas is cold.
     pub(crate) fn stress_by_mass(&self) -> bool {
-        let apart = self.formulation == Formulation::Pressure && self.gradient == Gradient::Standard;
+        let apart =
+            self.formulation == Formulation::Pressure && self.gradient == Gradient::Standard;
         apart || self.formulation.sums_mass()
     }
 
-    /// The setting that another of these rules out, and why.
+    /// The setting that others of these rule out, and why.
     pub fn clashing(&self) -> Option<(&'static str, &'static str)> {
-        if self.gradient == Gradient::Standard {
-            return None;
-        }
         match self.formulation {
-            Formulation::Smoothed => Some((
+            Formulation::Smoothed if self.gradient == Gradient::Matrix => Some((
                 "hydro.gradient",
-                "\"matrix\" drives particles at a surface apart without bound where formulation = \"smoothed\"; allowed there is \"standard\"",
+                "\"matrix\" drives particles at a surface apart without bound where formulation = \"smoothed-energy\"; allowed there is \"standard\"",
             )),
-            Formulation::Pressure if self.viscous_stress() => Some((
-                "hydro.gradient",
-                "\"matrix\" weighs a viscous stress by pressures where formulation = \"pressure\", and cold gas has none; allowed are \"standard\", or a viscosity between pairs",
-            )),
+            Formulation::Pressure | Formulation::Smoothed
+                if self.viscosity.is_stress() && self.eos.is_free() =>
+            {
+                Some((
+                    "viscosity.kind",
+                    "heats single particles, which has no bound where sums are of pressures or energies and gas is cold; allowed there are viscosities between pairs: \"constant\", \"balsara\", \"cullen-dehnen\", \"planar-switch\"",
+                ))
+            }
             _ => None,
         }
     }

@@ -158,7 +158,7 @@ fn method(scene: &Scene) -> Option<String> {
         None => String::new(),
     };
     Some(format!(
-"gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{rearranged}{cooling}{edge}",
+        "gas: {eos}; SPH that sums {formulation}, {} neighbours{gradient}, {viscosity}{physical}{conduction}{rearranged}{cooling}{edge}",
         gas.hydro.neighbours
     ))
 }

@@ -52,14 +52,14 @@ pub const ALL: &[Workload] = &[
     Workload {
         name: "gas, constant viscosity, double",
         base: BOX,
-        more: "",
+        more: "[gas.viscosity]\nkind = \"constant\"\n",
         step: 0.004,
         prepare: jitter,
     },
     Workload {
         name: "gas, constant viscosity, single",
         base: BOX,
-        more: "[gas.hydro]\nprecision = \"single\"\n",
+        more: "[gas.hydro]\nprecision = \"single\"\n[gas.viscosity]\nkind = \"constant\"\n",
         step: 0.004,
         prepare: jitter,
     },

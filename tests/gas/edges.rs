@@ -27,6 +27,8 @@ kind = "locally-isothermal"
 aspect_ratio = {aspect}
 reference_radius = 1.0
 exponent = 0.25
+[gas.viscosity]
+kind = "balsara"
 {keys}
 "#
     )

@@ -1,3 +1,5 @@
+//! Rearranged gas: what it keeps, and what becomes of its noise.
+
 use nbody::points::{Clock, Domain, Vec3};
 
 use super::Rearrangement;

@@ -252,29 +252,27 @@ fn masses(gas: &Particles) -> [f64; RINGS] {
     masses
 }
 
-/// The angular momentum of those of the `n` identities that begin outside, by that of all.
-fn outer(system: &System, n: usize) -> f64 {
+/// The angular momentum of those of the `n` identities that begin outside, and that of all.
+fn outer(system: &System, n: usize) -> [f64; 2] {
     let gas = &system.gas.particles;
-    let (mut outer, mut all) = (0.0, 0.0);
+    let mut sums = [0.0; 2];
     for i in 0..gas.len() {
         let l = gas.m[i] * gas.x[i].cross(&gas.v[i]).z;
-        all += l;
-        outer += if gas.id[i] >= n as u64 / 2 { l } else { 0.0 };
+        sums[0] += if gas.id[i] >= n as u64 / 2 { l } else { 0.0 };
+        sums[1] += l;
     }
-    outer / all
+    sums
 }
 
-/// The torques on that half by viscosity and by pressure, by the ring's angular momentum.
+/// The torques on that half by viscosity and by pressure.
 fn torques(system: &System, n: usize, inviscid: &Hydro) -> [f64; 2] {
     let torque = |gas: &Gas| {
         let p = &gas.particles;
-        let mut sums = [0.0; 2];
-        for i in 0..gas.len() {
-            let outside = p.id[i] >= n as u64 / 2;
-            sums[0] += f64::from(u8::from(outside)) * p.m[i] * p.x[i].cross(&gas.rates.hydro[i]).z;
-            sums[1] += p.m[i] * p.x[i].cross(&p.v[i]).z;
-        }
-        sums[0] / sums[1]
+        let outside = (0..gas.len()).filter(|&i| p.id[i] >= n as u64 / 2);
+        let sum: f64 = outside
+            .map(|i| p.m[i] * p.x[i].cross(&gas.rates.hydro[i]).z)
+            .sum();
+        sum
     };
     let all = torque(&system.gas);
     let mut still = system.gas.clone();
@@ -284,35 +282,31 @@ fn torques(system: &System, n: usize, inviscid: &Hydro) -> [f64; 2] {
     [all - pressure, pressure]
 }
 
-/// The angular momentum of the outer half at the first sample and the last, and the torques summed by trapezoids.
+/// The angular momenta of the outer half and of the ring at the first sample, that of the half at the last, and its torques summed by trapezoids.
 #[derive(Default)]
 struct Budget {
-    start: Option<[f64; 2]>,
-    last: [f64; 2],
+    start: Option<(f64, [f64; 2])>,
+    last: (f64, f64),
     torques: [f64; 2],
     sums: [f64; 2],
 }
 
 impl Budget {
-    fn add(&mut self, orbits: f64, outer: f64, torques: [f64; 2]) {
+    fn add(&mut self, orbits: f64, momenta: [f64; 2], torques: [f64; 2]) {
         if self.start.is_some() {
             for (sum, (a, b)) in self.sums.iter_mut().zip(self.torques.iter().zip(torques)) {
-                *sum += 0.5 * (a + b) * (orbits - self.last[0]) * TAU;
+                *sum += 0.5 * (a + b) * (orbits - self.last.0) * TAU;
             }
         }
-        self.start.get_or_insert([orbits, outer]);
-        (self.last, self.torques) = ([orbits, outer], torques);
+        self.start.get_or_insert((orbits, momenta));
+        (self.last, self.torques) = ((orbits, momenta[0]), torques);
     }
 
-    /// Change and parts, an orbit.
+    /// Change and parts, an orbit, by the angular momentum of the ring at the start; what the star swallows is in the change alone.
     fn mean(&self) -> [f64; 3] {
-        let [began, from] = self.start.unwrap_or_default();
-        let orbits = self.last[0] - began;
-        [
-            (self.last[1] - from) / orbits,
-            self.sums[0] / orbits,
-            self.sums[1] / orbits,
-        ]
+        let (began, [from, ring]) = self.start.unwrap_or_default();
+        let scale = 1.0 / (ring * (self.last.0 - began));
+        [self.last.1 - from, self.sums[0], self.sums[1]].map(|part| part * scale)
     }
 }
 
@@ -338,42 +332,44 @@ pub fn life(
         .collect();
     let mut budget = Budget::default();
     let mut alive = true;
-    trial.run_while(&stops, |stop| {
-        let gas = &stop.system.gas.particles;
-        let now = masses(gas);
-        let time = stop.system.clock.time() / TAU;
-        budget.add(
-            time,
-            outer(stop.system, n),
-            torques(stop.system, n, &inviscid),
-        );
-        if let Some(first) = first {
-            let first: [f64; RINGS] = first;
-            life.change = (first.iter().zip(&now)).map(|(a, b)| (a - b).abs()).sum();
-            life.torque = budget.mean();
-            if time < 0.26 {
-                life.first_torque = life.torque[0];
+    trial
+        .run_while(&stops, |stop| {
+            let gas = &stop.system.gas.particles;
+            let now = masses(gas);
+            let time = stop.system.clock.time() / TAU;
+            budget.add(
+                time,
+                outer(stop.system, n),
+                torques(stop.system, n, &inviscid),
+            );
+            if let Some(first) = first {
+                let first: [f64; RINGS] = first;
+                life.change = (first.iter().zip(&now)).map(|(a, b)| (a - b).abs()).sum();
+                life.torque = budget.mean();
+                if time < 0.26 {
+                    life.first_torque = life.torque[0];
+                }
+            } else {
+                first = Some(now);
+                axes = semi_major_axes(gas, gas.len());
             }
-        } else {
-            first = Some(now);
-            axes = semi_major_axes(gas, gas.len());
-        }
-        alive = life.change.is_finite() && life.change < 0.1;
-        life.survived = time;
-        let radial = |(x, v): (&Vec3, &Vec3)| (x.dot(v) / x.norm() / 0.01).powi(2);
-        life.noise = (gas.x.iter().zip(&gas.v).map(radial).sum::<f64>() / gas.len() as f64).sqrt();
-        let apart = axes
-            .iter()
-            .zip(&semi_major_axes(gas, axes.len()))
-            .map(|(a, b)| (a - b).powi(2))
-            .sum::<f64>();
-        life.wander = (apart / gas.len() as f64).sqrt() / WIDTH;
-        life.error_angular_momentum = stop.books.error_angular_momentum;
-        life.cpu_s = stop.watch.cpu_s();
-        watch(&life);
-        alive
-    })
-    .map_err(|fault| fault.to_string())?;
+            alive = life.change.is_finite() && life.change < 0.1;
+            life.survived = time;
+            let radial = |(x, v): (&Vec3, &Vec3)| (x.dot(v) / x.norm() / 0.01).powi(2);
+            life.noise =
+                (gas.x.iter().zip(&gas.v).map(radial).sum::<f64>() / gas.len() as f64).sqrt();
+            let apart = axes
+                .iter()
+                .zip(&semi_major_axes(gas, axes.len()))
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>();
+            life.wander = (apart / gas.len() as f64).sqrt() / WIDTH;
+            life.error_angular_momentum = stop.books.error_angular_momentum;
+            life.cpu_s = stop.watch.cpu_s();
+            watch(&life);
+            alive
+        })
+        .map_err(|fault| fault.to_string())?;
     life.died = !alive;
     life.cpu_s = trial.cpu_s();
     life.update = trial.cpu_s() / trial.updates() as f64 * 1e6;
