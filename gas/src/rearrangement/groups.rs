@@ -143,29 +143,29 @@ impl Group<'_> {
         let turn = self.turn(&hydro.domain, centre);
         let mut settled = Settled::default();
         let mut spent = 0.0;
-        for k in 0..v.len() {
-            let (m, before) = (self.m[k], v[k]);
-            v[k] += self.moves[k].v;
-            let kept = v[k];
+        for (k, v) in v.iter_mut().enumerate() {
+            let (m, before) = (self.m[k], *v);
+            *v += self.moves[k].v;
+            let kept = *v;
             let rotation = turn.cross(&(self.x[k] - centre));
-            v[k] += rotation;
-            spent += m * rotation.dot(&(0.5 * (kept + v[k])));
-            let change = v[k] - before;
-            settled.kinetic += m * change.dot(&(0.5 * (v[k] + before)));
+            *v += rotation;
+            spent += m * rotation.dot(&(0.5 * (kept + *v)));
+            let change = *v - before;
+            settled.kinetic += m * change.dot(&(0.5 * (*v + before)));
             settled.momentum += m * change;
             settled.angular_momentum +=
                 self.x[k].cross(&(m * change)) + self.moves[k].x.cross(&(m * self.sites[k].v));
         }
-        for k in 0..u.len() {
-            let (m, before) = (self.m[k], u[k]);
+        for (k, u) in u.iter_mut().enumerate() {
+            let (m, before) = (self.m[k], *u);
             let work = self.dues[k].work / m + spent / mass;
             if !hydro.eos.is_free() {
                 // Energy of gas bound to a temperature comes from what it gives off.
                 settled.heat.radiated -= m * work;
                 continue;
             }
-            u[k] = warmed(u[k], (m, self.moves[k].u - work), hydro, &mut settled.heat);
-            settled.internal += m * (u[k] - before);
+            *u = warmed(*u, (m, self.moves[k].u - work), hydro, &mut settled.heat);
+            settled.internal += m * (*u - before);
         }
         settled
     }
