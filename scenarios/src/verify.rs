@@ -187,7 +187,7 @@ pub const PROBLEMS: [Problem; 31] = [
     ),
     own(
         "keplerian-ring",
-        "a cold ring of 16 000 particles, formulation by viscosity: orbits survived, torques, noise; about an hour of two cores",
+        "a cold ring of 16 000 particles, formulation by viscosity: orbits survived, torques, noise; hours",
         ring::rows,
     ),
     own(

@@ -1,8 +1,9 @@
 //! The settlement of a shift: velocities and energies are given what keeps the fields in place, and the sums are brought back.
 //!
 //! Work of the exchange: sum p_ij . (v_i - v_j), v in the middle of the change; each of a pair pays one half out of its u.
-//! Torque: T_i = sum_j [ f_ij x (v_i - v_j) + r'_ij x p_ij ] / 2, v before the kicks that close the step, which turn nothing at the new places; groups that follow each other along the curve turn as rigid bodies about their
-//! centres so that they take up the T of their own. In closed domains, that have no angular momentum to keep, they do not.
+//! Torque: T_i = sum_j [ f_ij x (v_i - v_j) + r'_ij x p_ij ] / 2, v before the kicks that close the step, which turn nothing at the new places.
+//! Groups that follow each other along the curve turn as rigid bodies about their centres, so that they take up the T of their own; not in closed
+//! domains, which have no angular momentum to keep.
 
 use std::ops::Range;
 

@@ -362,8 +362,8 @@ pub fn name_of<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static 
 /// An artificial viscosity of some alpha and beta.
 type Making = fn(f64, f64) -> Viscosity;
 
-/// The place of the default among them.
-const CULLEN_DEHNEN: usize = 3;
+/// That of gas whose scene names none.
+const DEFAULT_VISCOSITY: &str = "cullen-dehnen";
 
 /// Artificial viscosities by name.
 const VISCOSITIES: [(&str, Making); 8] = [
@@ -421,7 +421,11 @@ fn default_neighbours(kernel: KernelKind, facts: &Facts) -> f64 {
 fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
     let section = gas.section("viscosity");
     let names: [(&str, usize); VISCOSITIES.len()] = std::array::from_fn(|k| (VISCOSITIES[k].0, k));
-    let kind = section.choice("kind", &names, &[]).unwrap_or(CULLEN_DEHNEN);
+    let default = names
+        .iter()
+        .position(|(name, _)| *name == DEFAULT_VISCOSITY);
+    let chosen = section.choice("kind", &names, &[]).or(default);
+    let kind = chosen.expect("the default is among them");
     if kind == 0 {
         section.misplaced(&["alpha", "beta"], "has no place in kind = \"none\"");
     }

@@ -18,7 +18,7 @@ use nbody::points::random::{Purpose, stream};
 use nbody::points::{Columns, Fault, Vec3};
 use rand::RngExt;
 
-use super::sheet::{Ring, Sheet};
+use super::sheet::{self, Ring, Sheet};
 use super::{Bar, Row};
 use crate::trial::Trial;
 
@@ -55,27 +55,10 @@ fn sound_speed(r: f64) -> f64 {
 }
 
 fn scene(beta: f64) -> String {
-    format!(
+    let keys = format!(
         r#"
-title = "Cooling disk"
-[run]
-end_time = 1.0
-[units]
-system = "dimensionless"
-[domain]
-kind = "open"
-dimensions = 2
-[star]
-mass = 1.0
-accretion_radius = 0.2
 [gas]
 softening = {SOFTENING}
-[[gas.block]]
-lo = [0.0, 0.0, 0.0]
-hi = [{PARTICLES}.0, 1.0, 0.0]
-spacing = 1.0
-density = 1.0
-pressure = 1.0
 [gas.eos]
 kind = "ideal"
 gamma = {GAMMA}
@@ -85,7 +68,8 @@ beta = {beta}
 [gravity]
 pulls = {{ gas = ["gas"] }}
 "#
-    )
+    );
+    sheet::scene(PARTICLES, (1.0, 0.2), &keys) + "pressure = 1.0\n"
 }
 
 /// What became of a disk.

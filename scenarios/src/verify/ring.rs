@@ -12,7 +12,7 @@ use coupling::System;
 use gas::{Gas, Hydro, Particles, Viscosity};
 use nbody::points::{Columns, Vec3};
 
-use super::{Bar, Row};
+use super::{Bar, Row, sheet};
 use crate::populate;
 use crate::trial::Trial;
 
@@ -153,31 +153,8 @@ fn reynolds(torque: f64) -> f64 {
 
 /// The scene of `n` particles or about as many; `scheme` is further text of it.
 fn scene(n: usize, scheme: &str) -> String {
-    // The block is replaced: its lattice only says how many particles there are.
-    format!(
-        r#"
-title = "Ring"
-[run]
-end_time = 1.0
-[units]
-system = "dimensionless"
-[domain]
-kind = "open"
-dimensions = 2
-[star]
-mass = {MU}
-accretion_radius = 0.5
-[[gas.block]]
-lo = [0.0, 0.0, 0.0]
-hi = [{n}.0, 1.0, 0.0]
-spacing = 1.0
-density = 1.0
-[gas.eos]
-kind = "isothermal"
-sound_speed = 0.01
-{scheme}
-"#
-    )
+    let keys = format!("[gas.eos]\nkind = \"isothermal\"\nsound_speed = 0.01\n{scheme}");
+    sheet::scene(n, (MU, 0.5), &keys)
 }
 
 /// The ring's particles: as many on each of its circles as keep them as far apart along it as the circles are.

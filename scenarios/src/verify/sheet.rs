@@ -32,6 +32,32 @@ pub struct Ring {
     pub pull: f64,
 }
 
+/// A scene of gas in the plane about a star of the mass `star`, swallowed within `accretion_radius`, with further `keys`. The block is for a layout
+/// to replace, and last, so that what a block must have can follow: its lattice only says how many particles there are.
+pub fn scene(particles: usize, (star, accretion_radius): (f64, f64), keys: &str) -> String {
+    format!(
+        r#"
+title = "Sheet"
+[run]
+end_time = 1.0
+[units]
+system = "dimensionless"
+[domain]
+kind = "open"
+dimensions = 2
+[star]
+mass = {star}
+accretion_radius = {accretion_radius}
+{keys}
+[[gas.block]]
+lo = [0.0, 0.0, 0.0]
+hi = [{particles}.0, 1.0, 0.0]
+spacing = 1.0
+density = 1.0
+"#
+    )
+}
+
 /// Shells that the mass is summed in.
 const SHELLS: usize = 1 << 15;
 

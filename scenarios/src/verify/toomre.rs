@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Matrix4, Vector4};
 use nbody::points::{Fault, Vec3};
 
-use super::sheet::{Ring, Sheet};
+use super::sheet::{self, Ring, Sheet};
 use super::{Bar, Row};
 use crate::trial::Trial;
 
@@ -80,26 +80,10 @@ impl Case {
     }
 
     fn scene(&self) -> String {
-        format!(
+        let keys = format!(
             r#"
-title = "Waves in a sheet"
-[run]
-end_time = 1.0
-[units]
-system = "dimensionless"
-[domain]
-kind = "open"
-dimensions = 2
-[star]
-mass = 1.0
-accretion_radius = 0.1
 [gas]
 softening = {SOFTENING}
-[[gas.block]]
-lo = [0.0, 0.0, 0.0]
-hi = [{PARTICLES}.0, 1.0, 0.0]
-spacing = 1.0
-density = 1.0
 [gas.eos]
 kind = "isothermal"
 sound_speed = {}
@@ -112,7 +96,8 @@ kind = "none"
 pulls = {{ gas = ["gas"] }}
 "#,
             self.sound_speed()
-        )
+        );
+        sheet::scene(PARTICLES, (1.0, 0.1), &keys)
     }
 }
 
