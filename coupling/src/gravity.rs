@@ -16,6 +16,7 @@ use nbody::points::{Fault, Vec3};
 
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
+use crate::torques;
 use changeover::Changeover;
 pub use changeover::Meetings;
 use field::Field;
@@ -209,6 +210,9 @@ impl Operator for Gravity {
         }
         if system.reporting && self.plan.held_back && system.bodies_active() {
             self.hold_back(system);
+        }
+        if system.reporting {
+            system.torques = torques::pulls(system, &self.plan);
         }
         Ok(())
     }

@@ -260,6 +260,8 @@ impl Ledger {
         self.radiated = 0.0;
         // And so did momentum that crossing faces gave to what was placed outside of them.
         self.given_away = Totals::default();
+        // What closed before the first step began had no step to close.
+        self.entries.clear();
         self.initial = system;
         self.initial_potential = potential;
         self.last = Some(system);

@@ -15,6 +15,7 @@ pub mod operator;
 pub mod rearrange;
 pub mod splitting;
 pub mod system;
+pub mod torques;
 
 pub use ledger::{Ledger, Totals};
 pub use operator::{Meter, Operator, Phase, Unmetered};

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use crate::Ledger;
 use crate::gravity::Heavy;
+use crate::torques::{Braked, Torque};
 
 /// The common step of star and bodies, in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -163,6 +164,9 @@ pub struct System {
     pub events: Vec<crate::accretion::Event>,
     /// Potential energy of the whole system when last reported.
     pub potential: f64,
+    /// The pulls on planets when last reported, and what drag has given them since.
+    pub torques: Vec<Torque>,
+    pub braked: Braked,
 }
 
 impl System {
@@ -196,6 +200,11 @@ impl System {
             given: Vec::new(),
             events: Vec::new(),
             potential: 0.0,
+            torques: Vec::new(),
+            braked: Braked {
+                since: time,
+                ..Braked::default()
+            },
         }
     }
 

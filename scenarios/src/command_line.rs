@@ -60,10 +60,15 @@ enum Command {
         file: Option<PathBuf>,
     },
     /// Say what a snapshot, a checkpoint or a run's folder holds
-    #[command(after_help = "Example:\n  tridisk info runs/disk")]
+    #[command(
+        after_help = "Examples:\n  tridisk info runs/disk\n  tridisk info runs/disk --ledger"
+    )]
     Info {
         #[arg(value_name = "FILE_OR_DIR")]
         path: PathBuf,
+        /// What each operator of a run has changed, by population, as the last report has it
+        #[arg(long)]
+        ledger: bool,
     },
     /// Draw PNG pictures of a snapshot or of a run's folder
     #[command(after_help = "Example:\n  tridisk plot runs/disk --output pictures")]
@@ -204,8 +209,12 @@ fn look(command: Command) -> Result<(), Failure> {
             print!("{message}");
             Ok(())
         }
-        Command::Info { path } => {
-            print!("{}", info::describe(&path).map_err(Failure::Refused)?);
+        Command::Info { path, ledger } => {
+            let text = match ledger {
+                true => info::ledger(&path),
+                false => info::describe(&path),
+            };
+            print!("{}", text.map_err(Failure::Refused)?);
             Ok(())
         }
         Command::Plot { path, output } => {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nbody::points::{Dimension, Vec3};
 
 use crate::checkpoint::{Checkpoint, Fact};
-use crate::history;
+use crate::history::{self, operators};
 use crate::scene::Scene;
 use crate::snapshot::{self, Contents, Particles};
 use crate::units::Units;
@@ -90,6 +90,72 @@ fn folder(path: &Path) -> Result<String, String> {
         text += &of_snapshot(last, &contents);
     }
     Ok(text)
+}
+
+/// What each operator of the run in `folder` has changed since the start, by population, beside what the sums changed by.
+pub fn ledger(folder: &Path) -> Result<String, String> {
+    const SUMS: [&str; 9] = [
+        "mass", "p_x", "p_y", "p_z", "L_x", "L_y", "L_z", "kinetic", "internal",
+    ];
+    let (time, lines) = operators::last(&folder.join("operators.csv"))?;
+    let mut text = format!(
+        "{}: changes by operator to time {time}, code units\n",
+        folder.display()
+    );
+    let row = |text: &mut String, words: [&str; 2], cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|cell| format!("{cell:>10}")).collect();
+        line(
+            text,
+            format_args!("{:14} {:14}{}", words[0], words[1], cells.join(" ")),
+        );
+    };
+    row(
+        &mut text,
+        ["operator", "population"],
+        &SUMS.map(str::to_owned),
+    );
+    let number = |x: f64| format!("{x:.2e}");
+    for (operator, population, sums) in &lines {
+        row(&mut text, [operator, population], &sums.map(number));
+    }
+    let mut whole = [0.0; 9];
+    for (_, _, sums) in lines
+        .iter()
+        .filter(|(operator, ..)| operator != operators::START)
+    {
+        for (whole, x) in whole.iter_mut().zip(sums) {
+            *whole += x;
+        }
+    }
+    row(&mut text, ["all operators", "all"], &whole.map(number));
+    let books = changes(&folder.join("ledger.csv"))?;
+    row(&mut text, ["the sums", "all"], &books.map(number));
+    let unbooked: [f64; 9] = std::array::from_fn(|k| books[k] - whole[k]);
+    row(&mut text, ["unbooked", "all"], &unbooked.map(number));
+    Ok(text)
+}
+
+/// What the sums of a `ledger.csv` have changed by from its first row to its last: mass, momentum, angular momentum, kinetic and internal energy.
+fn changes(path: &Path) -> Result<[f64; 9], String> {
+    let columns = history::read_numbers(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let change = |wanted: &dyn Fn(&str) -> bool| {
+        let chosen = columns.iter().filter(|(name, _)| wanted(name));
+        chosen
+            .map(|(_, values)| match (values.first(), values.last()) {
+                (Some(first), Some(last)) => last - first,
+                _ => f64::NAN,
+            })
+            .sum()
+    };
+    let mut found = [0.0; 9];
+    found[0] = change(&|name| name.starts_with("mass_"));
+    for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+        found[1 + k] = change(&|name| name == format!("momentum_{axis}"));
+        found[4 + k] = change(&|name| name == format!("angular_momentum_{axis}"));
+    }
+    found[7] = change(&|name| name == "kinetic_energy");
+    found[8] = change(&|name| name == "internal_energy");
+    Ok(found)
 }
 
 fn line(text: &mut String, what: std::fmt::Arguments<'_>) {

@@ -92,7 +92,7 @@ pub fn resume(folder: &Path, options: &Options) -> Result<Outcome, RunError> {
     }
     let saved = saved::read(&folder.join("checkpoint.hdf5"), &scene)?;
     let watch = Stopwatch::new(saved.laps, saved.wall_s);
-    let folder = Folder::reopened(folder, saved.rows)?;
+    let folder = Folder::reopened(folder, &scene, &saved.rows)?;
     Run::new(scene, saved.system, folder, watch, options).go()
 }
 
@@ -204,7 +204,7 @@ impl Run {
                 .ledger
                 .report(now, census, self.system.potential, &self.system.domain);
         self.folder.events(&mut self.system.events)?;
-        self.folder.report(&row)?;
+        self.folder.report(&row, &mut self.system)?;
         output::conserved(&row, &self.system.domain)?;
         if let Some(number) = snapshot {
             self.folder
@@ -221,7 +221,7 @@ impl Run {
             &self.folder.path("checkpoint.hdf5"),
             (&self.scene, &self.system),
             &self.watch,
-            self.folder.rows()?,
+            &self.folder.rows()?,
         )?;
         self.folder.timings(&self.watch, self.system.clock.step)?;
         self.saved = Instant::now();

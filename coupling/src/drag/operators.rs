@@ -2,11 +2,13 @@
 
 use gas::Hydro;
 use gas::probe::Reach;
-use nbody::points::{Fault, Vec3};
+use nbody::points::{Columns, Fault, Vec3};
 
 use super::{BodiesInGas, Booking, Exchange, Grains, Half, Settings, Star, StoppingLaw};
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
+
+const PLANET: u32 = nbody::Kind::Planet as u32;
 
 /// Immersed particles look for gas within this many of the largest smoothing lengths of the gas.
 const FARTHEST: f64 = 2.0;
@@ -139,6 +141,8 @@ pub struct BodyDrag {
     exchange: Exchange,
     active: Vec<u32>,
     steps: Vec<f64>,
+    /// Places of the planets, and their velocities before an exchange.
+    planets: Vec<(usize, Vec3)>,
 }
 
 impl BodyDrag {
@@ -147,6 +151,7 @@ impl BodyDrag {
             exchange: exchange(law, hydro, feedback),
             active: Vec::new(),
             steps: Vec::new(),
+            planets: Vec::new(),
         }
     }
 
@@ -154,6 +159,10 @@ impl BodyDrag {
         self.steps.clear();
         self.steps.resize(self.active.len(), step);
         let star = star(system);
+        self.planets.clear();
+        let planets = (0..system.bodies.len()).filter(|&i| system.bodies.kind[i] == PLANET);
+        self.planets
+            .extend(planets.map(|i| (i, system.bodies.v[i])));
         let mut h = std::mem::take(&mut system.bodies.h);
         let mut bodies = BodiesInGas {
             bodies: &mut system.bodies,
@@ -167,6 +176,10 @@ impl BodyDrag {
             (half, &system.clock),
         );
         system.bodies.h = h;
+        for &(i, before) in &self.planets {
+            let impulse = system.bodies.m[i] * (system.bodies.v[i] - before);
+            system.braked.add(system.bodies.id[i], impulse);
+        }
         book(system, &booking, self.exchange.settings.feedback);
         system.look();
     }

@@ -10,40 +10,65 @@ use nbody::points::{ColumnRef, Columns, Dimension, Domain, Fault, Label, Populat
 
 use super::RunError;
 use crate::atomic::publish_bytes;
-use crate::history::{EVENT_HEAD, LedgerRow, Phase, Table, Timings, push_event};
+use crate::history::{
+    EVENT_HEAD, LedgerRow, Phase, Table, Timings, operators, push_event, torques,
+};
 use crate::populate::molecules;
 use crate::scene::Scene;
 use crate::snapshot::{self, Group};
 use crate::stopwatch::Stopwatch;
 
+/// A history of a run: its file and its columns.
+type History = (&'static str, &'static [&'static str]);
+
+/// The histories that every run has.
+const HISTORIES: [History; 3] = [
+    ("ledger.csv", &LedgerRow::HEAD),
+    ("operators.csv", &operators::HEAD),
+    ("events.csv", &EVENT_HEAD),
+];
+
+/// The history that runs with planets have beside them.
+const TORQUES: History = ("torques.csv", &torques::HEAD);
+
 /// The folder of a run with its open histories.
 pub struct Folder {
     path: PathBuf,
     ledger: Table,
+    operators: Table,
     events: Table,
+    torques: Vec<Table>,
 }
 
 impl Folder {
     /// The folder of a new run.
     pub fn new(path: &Path, scene: &Scene) -> Result<Self, RunError> {
         publish_bytes(&path.join("scene.toml"), scene.to_toml().as_bytes())?;
-        let ledger = Table::create(&path.join("ledger.csv"), &LedgerRow::HEAD)?;
-        let events = Table::create(&path.join("events.csv"), &EVENT_HEAD)?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            ledger,
-            events,
-        })
+        Self::with(path, scene, |path, head, _| Table::create(path, head))
     }
 
     /// The folder of a run that goes on from a checkpoint at which the histories had `rows`.
-    pub fn reopened(path: &Path, rows: [u64; 2]) -> Result<Self, RunError> {
-        let ledger = Table::resume(&path.join("ledger.csv"), &LedgerRow::HEAD, rows[0])?;
-        let events = Table::resume(&path.join("events.csv"), &EVENT_HEAD, rows[1])?;
+    pub fn reopened(path: &Path, scene: &Scene, rows: &[u64]) -> Result<Self, RunError> {
+        Self::with(path, scene, |path, head, k| {
+            let rows = rows.get(k).copied().unwrap_or(0);
+            Table::resume(path, head, rows)
+        })
+    }
+
+    fn with(
+        path: &Path,
+        scene: &Scene,
+        open: impl Fn(&Path, &[&str], usize) -> std::io::Result<Table>,
+    ) -> Result<Self, RunError> {
+        let table = |k: usize, (name, head): History| open(&path.join(name), head, k);
+        let [ledger, operators, events] = [0, 1, 2].map(|k| table(k, HISTORIES[k]));
+        let torques = (!scene.planets.is_empty()).then(|| table(HISTORIES.len(), TORQUES));
         Ok(Self {
             path: path.to_path_buf(),
-            ledger,
-            events,
+            ledger: ledger?,
+            operators: operators?,
+            events: events?,
+            torques: torques.into_iter().collect::<Result<_, _>>()?,
         })
     }
 
@@ -51,15 +76,35 @@ impl Folder {
         self.path.join(name)
     }
 
-    /// Rows of the ledger and of the events so far, all of them on the disk.
-    pub fn rows(&self) -> Result<[u64; 2], RunError> {
-        self.ledger.settle()?;
-        self.events.settle()?;
-        Ok([self.ledger.rows(), self.events.rows()])
+    /// Rows of the histories so far, all of them on the disk.
+    pub fn rows(&self) -> Result<Vec<u64>, RunError> {
+        let mut rows = Vec::new();
+        for table in [&self.ledger, &self.operators, &self.events]
+            .into_iter()
+            .chain(&self.torques)
+        {
+            table.settle()?;
+            rows.push(table.rows());
+        }
+        Ok(rows)
     }
 
-    pub fn report(&mut self, row: &Report) -> Result<(), RunError> {
-        Ok(ledger_row(row).push_to(&mut self.ledger)?)
+    /// Writes the books as they stand, and the torques of this report.
+    pub fn report(&mut self, row: &Report, system: &mut System) -> Result<(), RunError> {
+        ledger_row(row).push_to(&mut self.ledger)?;
+        let ledger = &system.ledger;
+        operators::push(
+            row.time,
+            &ledger.initial,
+            &ledger.entries,
+            &mut self.operators,
+        )?;
+        let mut found = std::mem::take(&mut system.torques);
+        found.extend(system.braked.settle(row.time));
+        for table in &mut self.torques {
+            torques::push(row.time, &found, system, table)?;
+        }
+        Ok(())
     }
 
     /// Writes what has happened since the last call.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use coupling::ledger::{Census, Entry, Totals};
 use coupling::system::Stray;
+use coupling::torques::Braked;
 use coupling::{Pace, System};
 use dust::{Dust, Superparticles};
 use gas::{Gas, Particles};
@@ -20,15 +21,15 @@ pub struct Saved {
     pub system: System,
     pub laps: [Lap; 8],
     pub wall_s: f64,
-    /// Rows written so far to the ledger's and the events' histories.
-    pub rows: [u64; 2],
+    /// Rows written so far to the run's histories.
+    pub rows: Vec<u64>,
 }
 
 pub fn write(
     path: &Path,
     (scene, system): (&Scene, &System),
     watch: &Stopwatch,
-    rows: [u64; 2],
+    rows: &[u64],
 ) -> Result<(), FileError> {
     assert!(
         system.clock.synchronous(),
@@ -111,6 +112,14 @@ pub fn write(
         ),
     );
     draft.fact("rows", Fact::Integers(rows.to_vec()));
+    let braked = &system.braked;
+    draft.fact(
+        "braked",
+        Fact::Integers(braked.impulses.iter().map(|(id, _)| *id).collect()),
+    );
+    let impulses: Vec<Vec3> = braked.impulses.iter().map(|(_, p)| *p).collect();
+    draft.fact("braked since", Fact::Real(braked.since));
+    draft.fact("braked impulses", Fact::Reals(flat(&impulses)));
     draft.fact("wall_s", Fact::Real(watch.wall_s()));
     draft.fact(
         "cpu_s",
@@ -181,13 +190,24 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         targets: counts[3 * k + 1],
         interactions: counts[3 * k + 2],
     };
-    let rows = file.integers("rows")?;
+    read_braked(&file, &mut system)?;
     Ok(Saved {
         system,
         laps: std::array::from_fn(lap),
         wall_s: file.real("wall_s")?,
-        rows: [rows[0], rows[1]],
+        rows: file.integers("rows")?,
     })
+}
+
+/// What drag has given to planets since the last report.
+fn read_braked(file: &Checkpoint, system: &mut System) -> Result<(), FileError> {
+    let ids = file.integers("braked")?;
+    let impulses = vectors(&file.reals("braked impulses")?);
+    system.braked = Braked {
+        since: file.real("braked since")?,
+        impulses: ids.into_iter().zip(impulses).collect(),
+    };
+    Ok(())
 }
 
 fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> {
