@@ -1,0 +1,60 @@
+//! Problems of drag between dust and gas, against exact solutions of two fluids.
+
+mod dusty_box;
+
+use coupling::ledger::Report;
+use nbody::points::Vec3;
+
+use super::{Bar, Problem, Row, own};
+use crate::trial::{Stop, Trial};
+
+pub const PROBLEMS: &[Problem] = &[own(
+    "dust-box",
+    "uniform gas and dust that move through each other, stopping times of 1e-12 to 1e12 (Laibe & Price 2011); about 10 seconds",
+    dusty_box::rows,
+)];
+
+/// A particle of either population.
+#[derive(Clone, Copy)]
+struct State {
+    id: u64,
+    v: Vec3,
+}
+
+/// Both populations, each in the order of identities, and the books.
+struct Mixture {
+    gas: Vec<State>,
+    dust: Vec<State>,
+    books: Report,
+}
+
+impl Mixture {
+    fn of(stop: &Stop) -> Self {
+        let (gas, dust) = (&stop.system.gas.particles, &stop.system.dust.particles);
+        let grain = |i: usize| State {
+            id: dust.id[i],
+            v: dust.v[i],
+        };
+        let parcel = |i: usize| State {
+            id: gas.id[i],
+            v: gas.v[i],
+        };
+        let sorted = |mut states: Vec<State>| {
+            states.sort_unstable_by_key(|state| state.id);
+            states
+        };
+        Self {
+            gas: sorted((0..gas.x.len()).map(parcel).collect()),
+            dust: sorted((0..dust.x.len()).map(grain).collect()),
+            books: *stop.books,
+        }
+    }
+}
+
+/// The mixture at each of the stops of a trial.
+fn mixtures(mut trial: Trial, stops: &[f64]) -> Vec<Mixture> {
+    let mut seen = Vec::new();
+    let done = trial.run(stops, |stop| seen.push(Mixture::of(stop)));
+    done.unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
+    seen
+}
