@@ -39,6 +39,8 @@ columns! {
         stokes: Real = Label::snapshot("StokesNumbers", Dimension::NONE, "stopping time by the orbital frequency"),
         /// density of the gas around
         rho_gas: Real = Label::snapshot("GasDensities", Dimension::DENSITY, "density of the gas around"),
+        /// h by the sum of sound speed and relative speed; infinite without gas around, zero before it was looked for
+        crossing: Real = Label::checkpoint("CrossingTimes", Dimension::TIME, "time in which sound and grain cross the smoothing length"),
     }
 }
 

@@ -17,7 +17,8 @@ pub trait Immersed: Sync {
     fn acceleration(&self, i: usize) -> Option<Vec3>;
     /// Smoothing length of the gas around; zero if unknown.
     fn smoothing(&self, i: usize) -> f64;
-    fn keep_smoothing(&mut self, i: usize, h: f64);
+    /// Takes the smoothing length of the gas around, and the time in which sound and particle cross it.
+    fn keep_smoothing(&mut self, i: usize, h: f64, crossing: f64);
     /// Takes the change of velocity, and notes stopping time and density of the gas around.
     fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64);
 }
@@ -80,8 +81,9 @@ impl Immersed for Grains<'_> {
         self.dust.particles.h[i]
     }
 
-    fn keep_smoothing(&mut self, i: usize, h: f64) {
+    fn keep_smoothing(&mut self, i: usize, h: f64, crossing: f64) {
         self.dust.particles.h[i] = h;
+        self.dust.derived.crossing[i] = crossing;
     }
 
     fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64) {
@@ -140,7 +142,7 @@ impl Immersed for BodiesInGas<'_> {
         self.h[i]
     }
 
-    fn keep_smoothing(&mut self, i: usize, h: f64) {
+    fn keep_smoothing(&mut self, i: usize, h: f64, _: f64) {
         self.h[i] = h;
     }
 

@@ -12,6 +12,8 @@ pub struct Row {
     pub h: f64,
     pub rho: f64,
     pub c: f64,
+    /// time in which sound and particle cross h
+    pub crossing: f64,
     pub shape: Shape,
     pub gain: f64,
     /// Place of its rigid shape in `turns`.

@@ -1,6 +1,7 @@
 //! Problems of drag between dust and gas, against exact solutions of two fluids.
 
 mod dusty_box;
+mod wave;
 
 use coupling::ledger::Report;
 use nbody::points::Vec3;
@@ -8,16 +9,24 @@ use nbody::points::Vec3;
 use super::{Bar, Problem, Row, own};
 use crate::trial::{Stop, Trial};
 
-pub const PROBLEMS: &[Problem] = &[own(
-    "dust-box",
-    "uniform gas and dust that move through each other, stopping times of 1e-12 to 1e12 (Laibe & Price 2011); about 10 seconds",
-    dusty_box::rows,
-)];
+pub const PROBLEMS: &[Problem] = &[
+    own(
+        "dust-box",
+        "uniform gas and dust that move through each other, stopping times of 1e-12 to 1e12 (Laibe & Price 2011); about 10 seconds",
+        dusty_box::rows,
+    ),
+    own(
+        "dust-wave",
+        "wave in gas and as much dust, 64 particles a wavelength, from loose to rigid coupling (Laibe & Price 2011); about 1 minute",
+        wave::rows,
+    ),
+];
 
 /// A particle of either population.
 #[derive(Clone, Copy)]
 struct State {
     id: u64,
+    x: Vec3,
     v: Vec3,
 }
 
@@ -33,10 +42,12 @@ impl Mixture {
         let (gas, dust) = (&stop.system.gas.particles, &stop.system.dust.particles);
         let grain = |i: usize| State {
             id: dust.id[i],
+            x: dust.x[i],
             v: dust.v[i],
         };
         let parcel = |i: usize| State {
             id: gas.id[i],
+            x: gas.x[i],
             v: gas.v[i],
         };
         let sorted = |mut states: Vec<State>| {
