@@ -90,8 +90,8 @@ fn stride(scene: &Scene, integrator: Integrator, step: f64) -> f64 {
         .clamp(1.0, MOST_STEPS)
 }
 
-/// Steps of grains in gas by those of gas at rest.
-const DUST_STEP: f64 = 1.0;
+/// Courant's part for grains in gas by that for gas.
+const DUST_STEP: f64 = 2.0;
 
 /// Steps of bodies after which the program looks for signals and checkpoints.
 const MOST_STEPS: f64 = 65536.0;

@@ -1,6 +1,8 @@
 //! Problems of drag between dust and gas, against exact solutions of two fluids.
 
 mod dusty_box;
+mod shock;
+mod sod;
 mod wave;
 
 use coupling::ledger::Report;
@@ -20,6 +22,21 @@ pub const PROBLEMS: &[Problem] = &[
         "wave in gas and as much dust, 64 particles a wavelength, from loose to rigid coupling (Laibe & Price 2011); about 1 minute",
         wave::rows,
     ),
+    own(
+        "dust-shock-j",
+        "shock of Mach number 2 in gas and as much dust (Lehmann & Wardle 2018)",
+        shock::jump,
+    ),
+    own(
+        "dust-shock-c",
+        "smooth shock of Mach number 0.9 in gas and as much dust (Lehmann & Wardle 2018)",
+        shock::continuous,
+    ),
+    own(
+        "dust-sod",
+        "Sod's shock tube in gas and as much dust, rigidly coupled",
+        sod::rows,
+    ),
 ];
 
 /// A particle of either population.
@@ -28,6 +45,10 @@ struct State {
     id: u64,
     x: Vec3,
     v: Vec3,
+    m: f64,
+    /// Of gas: density and pressure.
+    rho: f64,
+    p: f64,
 }
 
 /// Both populations, each in the order of identities, and the books.
@@ -44,11 +65,17 @@ impl Mixture {
             id: dust.id[i],
             x: dust.x[i],
             v: dust.v[i],
+            m: dust.m[i],
+            rho: 0.0,
+            p: 0.0,
         };
         let parcel = |i: usize| State {
             id: gas.id[i],
             x: gas.x[i],
             v: gas.v[i],
+            m: gas.m[i],
+            rho: stop.system.gas.derived.rho[i],
+            p: stop.system.gas.derived.p[i],
         };
         let sorted = |mut states: Vec<State>| {
             states.sort_unstable_by_key(|state| state.id);

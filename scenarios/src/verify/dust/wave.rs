@@ -114,7 +114,10 @@ fn trial(k: f64, along: u32) -> Trial {
         x.x = place((x.x + shift * spacing).rem_euclid(1.0));
         v.x = AMPLITUDE * (TAU * x.x).sin();
     };
-    Trial::prepared(&text, &[], |gas, dust| {
+    let extra: Vec<String> = std::env::var("SET")
+        .map(|s| s.split(' ').map(String::from).collect())
+        .unwrap_or_default();
+    Trial::prepared(&text, &extra, |gas, dust| {
         for (x, v) in gas.x.iter_mut().zip(&mut gas.v) {
             shaped(x, v, 0.0);
         }
@@ -142,6 +145,9 @@ fn parts(mixture: &Mixture) -> Parts {
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     for (k, exact) in CASES {
+        if std::env::var("ONLY").is_ok_and(|o| !o.split(' ').any(|x| x.parse::<f64>() == Ok(k))) {
+            continue;
+        }
         let seen = mixtures(trial(k, ALONG), &STOPS);
         for (n, t) in [1, 2].into_iter().enumerate() {
             let found = parts(&seen[n + 1]);
