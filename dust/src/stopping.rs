@@ -89,6 +89,15 @@ impl StoppingLaw {
         )
     }
 
+    /// The same law with another constant, where it is one of a constant time or number and `own` is not zero.
+    pub fn with(self, own: f64) -> Self {
+        match self {
+            Self::ConstantStoppingTime(_) if own > 0.0 => Self::ConstantStoppingTime(own),
+            Self::ConstantStokes(_) if own > 0.0 => Self::ConstantStokes(own),
+            law => law,
+        }
+    }
+
     /// Stopping time at relative speed `speed`; infinite where nothing slows.
     pub fn stopping_time(&self, sphere: &Sphere, gas: &Ambient, speed: f64) -> f64 {
         1.0 / self.rate(sphere, gas, speed)

@@ -299,6 +299,7 @@ fn operators(
             populate::dust_law(scene, d),
             hydro,
             scene.coupling.feedback,
+            scene.coupling.heat_share,
         )));
     }
     if let (true, true, Some(p), Some(hydro)) = (
@@ -312,6 +313,7 @@ fn operators(
             populate::body_law(scene, p),
             hydro,
             scene.coupling.feedback,
+            scene.coupling.heat_share,
         )));
     }
     let kicked = gas || dust || scene.has_surroundings();

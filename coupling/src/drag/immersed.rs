@@ -1,6 +1,6 @@
 //! Immersed particles: what drag needs to know of grains and of bodies.
 
-use dust::{Dust, Sphere};
+use dust::{Dust, Sphere, StoppingLaw};
 use nbody::Bodies;
 use nbody::points::Vec3;
 
@@ -9,6 +9,8 @@ pub trait Immersed: Sync {
     fn position(&self, i: usize) -> Vec3;
     fn mass(&self, i: usize) -> f64;
     fn sphere(&self, i: usize) -> Sphere;
+    /// `law` as it is for this particle.
+    fn law(&self, i: usize, law: StoppingLaw) -> StoppingLaw;
     /// Orbital frequency; zero without a star.
     fn omega(&self, i: usize) -> f64;
     /// Velocity at this tick.
@@ -63,6 +65,11 @@ impl Immersed for Grains<'_> {
             radius: self.dust.particles.grain_radius[i],
             density: self.dust.particles.grain_density[i],
         }
+    }
+
+    fn law(&self, i: usize, law: StoppingLaw) -> StoppingLaw {
+        let own = self.dust.particles.stopping.get(i);
+        own.map_or(law, |&own| law.with(own))
     }
 
     fn omega(&self, i: usize) -> f64 {
@@ -124,6 +131,10 @@ impl Immersed for BodiesInGas<'_> {
                 density: f64::INFINITY,
             }
         }
+    }
+
+    fn law(&self, _: usize, law: StoppingLaw) -> StoppingLaw {
+        law
     }
 
     fn omega(&self, i: usize) -> f64 {

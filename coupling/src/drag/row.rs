@@ -49,7 +49,7 @@ impl Row {
             Half::Opening => (self.u_tick, 0.5),
         };
         self.u_middle = self.u_tick + sign * kick;
-        let sphere = immersed.sphere(i);
+        let (sphere, law) = (immersed.sphere(i), immersed.law(i, *law));
         let ambient = Ambient {
             rho: self.rho,
             c: self.c,
