@@ -1,5 +1,6 @@
 //! Problems of drag between dust and gas, against exact solutions of two fluids.
 
+mod cost;
 mod dusty_box;
 mod shock;
 mod sod;
@@ -36,6 +37,11 @@ pub const PROBLEMS: &[Problem] = &[
         "dust-sod",
         "Sod's shock tube in gas and as much dust, rigidly coupled",
         sod::rows,
+    ),
+    own(
+        "dust-cost",
+        "cost of drag for 1e6 superparticles in 1e5 gas particles; about 20 seconds",
+        cost::rows,
     ),
 ];
 

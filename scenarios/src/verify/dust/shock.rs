@@ -100,10 +100,7 @@ impl Shock {
              [dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = 1\n",
             self.end, sides[0], sides[1]
         );
-        let extra: Vec<String> = std::env::var("SET")
-            .map(|s| s.split(' ').map(String::from).collect())
-            .unwrap_or_default();
-        Trial::new(&text, &extra, |_| {})
+        Trial::new(&text, &[], |_| {})
             .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"))
     }
 
@@ -150,36 +147,6 @@ impl Shock {
             .map(|k| guess + 0.01 * self.mach * f64::from(k))
             .min_by(|a, b| l1(&dust, *a, &of_dust).total_cmp(&l1(&dust, *b, &of_dust)))
             .expect("places");
-        if std::env::var("SHOW").is_ok() {
-            for k in 0..60 {
-                let lo = k as f64 * 0.25 - 1.0 + 0.0;
-                let m = |s: &[[f64; 2]]| {
-                    let v: Vec<f64> = s
-                        .iter()
-                        .filter(|p| p[0] >= lo && p[0] < lo + 0.25)
-                        .map(|p| p[1])
-                        .collect();
-                    v.iter().sum::<f64>() / v.len() as f64
-                };
-                let rho: Vec<f64> = end
-                    .gas
-                    .iter()
-                    .zip(&gas)
-                    .filter(|(_, p)| p[0] >= lo && p[0] < lo + 0.25)
-                    .map(|(s, _)| s.rho)
-                    .collect();
-                let xi = (front - lo - 0.125) / self.mach;
-                println!(
-                    "{lo} xi {xi:.3} g {:.4} {:.4} d {:.4} {:.4} rho {:.3} n {}",
-                    m(&gas),
-                    of_gas(xi),
-                    m(&dust),
-                    of_dust(xi),
-                    rho.iter().sum::<f64>() / rho.len() as f64,
-                    rho.len()
-                );
-            }
-        }
         let settled = front - self.mach * self.window[1];
         let still = end
             .gas

@@ -37,11 +37,7 @@ fn trial() -> Trial {
          [domain]\nkind = \"periodic\"\nsize = [2, {width}, {width}]\n[gas.eos]\ngamma = {GAMMA}\n{blocks}\
          [dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = {STOPPING_TIME:e}\n"
     );
-    let extra: Vec<String> = std::env::var("SET")
-        .map(|s| s.split(' ').map(String::from).collect())
-        .unwrap_or_default();
-    Trial::new(&text, &extra, |_| {})
-        .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"))
+    Trial::new(&text, &[], |_| {}).unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"))
 }
 
 fn waves() -> Waves {
@@ -161,7 +157,11 @@ pub fn rows() -> Vec<Row> {
             separation(&end),
             Bar::None,
         ),
-        Row::new("error of the energy", end.books.error_energy, Bar::None),
+        Row::new(
+            "error of the energy",
+            end.books.error_energy,
+            Bar::Limit([1e-4, 3e-4]),
+        ),
     ]);
     rows
 }

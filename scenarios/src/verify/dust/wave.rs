@@ -3,7 +3,8 @@
 //! Both begin with v = A sin kx and densities 1 + A sin kx, A = 1e-4; drag K (v_d - v_g), the stopping time of a grain 1/K. The linear
 //! equations have four modes; their sum is known to 50 digits. For K to infinity the mixture carries a wave of speed 1/sqrt(2) without
 //! loss. Error: root mean square over space of the differences of velocity of both, by A. Where 1/K is much shorter than the crossing time of
-//! the distance of particles, schemes that smooth velocity differences damp the wave. Source: Laibe & Price 2011 (MNRAS 418, 1491), 2012 (MNRAS 420, 2345).
+//! the distance of particles, schemes that smooth velocity differences damp the wave. Among 30 neighbours of a
+//! triangular lattice sound has its speed to 0.2 %: what is left is drag's. Source: Laibe & Price 2011 (MNRAS 418, 1491), 2012 (MNRAS 420, 2345).
 
 use std::f64::consts::TAU;
 
@@ -101,7 +102,7 @@ fn trial(k: f64, along: u32) -> Trial {
     let text = format!(
         "[run]\nend_time = 2\n[units]\nsystem = \"dimensionless\"\n\
          [domain]\nkind = \"periodic\"\nsize = [1, {}, 1]\ndimensions = 2\n\
-         [gas.eos]\nkind = \"isothermal\"\nsound_speed = 1\n[[gas.block]]\n{block}[[dust.block]]\n{block}\
+         [gas.eos]\nkind = \"isothermal\"\nsound_speed = 1\n[gas.hydro]\nneighbours = 30\n[[gas.block]]\n{block}[[dust.block]]\n{block}\
          [dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = {:e}\n",
         STRETCH * width,
         1.0 / k
@@ -114,10 +115,7 @@ fn trial(k: f64, along: u32) -> Trial {
         x.x = place((x.x + shift * spacing).rem_euclid(1.0));
         v.x = AMPLITUDE * (TAU * x.x).sin();
     };
-    let extra: Vec<String> = std::env::var("SET")
-        .map(|s| s.split(' ').map(String::from).collect())
-        .unwrap_or_default();
-    Trial::prepared(&text, &extra, |gas, dust| {
+    Trial::prepared(&text, &[], |gas, dust| {
         for (x, v) in gas.x.iter_mut().zip(&mut gas.v) {
             shaped(x, v, 0.0);
         }
@@ -145,26 +143,12 @@ fn parts(mixture: &Mixture) -> Parts {
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     for (k, exact) in CASES {
-        if std::env::var("ONLY").is_ok_and(|o| !o.split(' ').any(|x| x.parse::<f64>() == Ok(k))) {
-            continue;
-        }
         let seen = mixtures(trial(k, ALONG), &STOPS);
         for (n, t) in [1, 2].into_iter().enumerate() {
             let found = parts(&seen[n + 1]);
             let square: f64 = (found.iter().zip(&exact[n]))
                 .map(|(a, b)| (a - b).powi(2))
                 .sum();
-            if std::env::var("PARTS").is_ok() {
-                let amp = |p: &Parts| {
-                    (
-                        p[0].hypot(p[1]),
-                        p[1].atan2(p[0]),
-                        p[2].hypot(p[3]),
-                        p[3].atan2(p[2]),
-                    )
-                };
-                println!("{k:e} {t} {:?} {:?}", amp(&found), amp(&exact[n]));
-            }
             rows.push(Row::new(
                 format!("K {k:e}, t = {t}: velocities"),
                 (0.25 * square).sqrt(),
