@@ -17,14 +17,14 @@ fn scene(stopping_time: f64) -> String {
         0.5f64.cbrt() / f64::from(CELLS)
     );
     format!(
-        "[run]\nend_time = 1\n[units]\nsystem = \"dimensionless\"\n[domain]\nkind = \"periodic\"\nsize = [1, {width}, {width}]\n\
+        "[run]\nend_time = 0.71\n[units]\nsystem = \"dimensionless\"\n[domain]\nkind = \"periodic\"\nsize = [1, {width}, {width}]\n\
          [gas.eos]\ngamma = 1.4\n[gas.viscosity]\nkind = \"none\"\n[[gas.block]]\n{block}pressure = {}\n[[dust.block]]\n{block}\
          [dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = {stopping_time:e}\n",
         1.0 / 1.4
     )
 }
 
-/// Part of the velocity of the gas that goes as sin kx at t = 1, by its amplitude at the start; error of the energy by that of the wave; and
+/// Part of the velocity of the gas that goes as sin kx after half a period, by its amplitude at the start; error of the energy by that of the wave; and
 /// updates of superparticles.
 fn wave(stopping_time: f64) -> (f64, f64, u64) {
     let velocity = |x: f64| AMPLITUDE * (TAU * x).sin();
@@ -38,7 +38,7 @@ fn wave(stopping_time: f64) -> (f64, f64, u64) {
     });
     let mut trial = trial.expect("a scene");
     let (mut part, mut error) = (f64::NAN, f64::NAN);
-    let done = trial.run(&[0.0, 1.0], |stop| {
+    let done = trial.run(&[0.0, 0.5f64.sqrt()], |stop| {
         let gas = &stop.system.gas.particles;
         let sum: f64 = (gas.v.iter().zip(&gas.x))
             .map(|(v, x)| v.x * (TAU * x.x).sin())
@@ -55,7 +55,7 @@ fn wave(stopping_time: f64) -> (f64, f64, u64) {
 
 #[test]
 fn tightly_coupled_dust_makes_sound_slow_but_does_not_damp_it() {
-    let exact = (TAU / 2f64.sqrt()).cos();
+    let exact = -1.0;
     let mut updates = Vec::new();
     for stopping_time in [1e-4, 1e-8, 1e-12] {
         let (part, error, drag) = wave(stopping_time);
