@@ -7,7 +7,10 @@ mod coupled {
     mod reproducible;
 }
 mod dust {
+    mod clumps;
     mod dusty_box;
+    mod extremes;
+    mod wave;
 }
 mod gas {
     mod allocation;

@@ -180,7 +180,8 @@ impl Exchange {
         }
         if settings.feedback {
             let domain = self.domain;
-            (self.touched).push(gas, settings.heat_share, (&domain, clock), &mut booking);
+            let when = (&domain, half, clock);
+            (self.touched).push(gas, settings.heat_share, when, &mut booking);
         } else {
             blocks
                 .iter()

@@ -1,8 +1,8 @@
 //! The motion of superparticles: kicks by gravity at both ends of a step, straight drifts between.
 //!
-//! Step: dt = min( C sqrt(h / |g - g_star|), D / Omega ), with h the smoothing length of the gas around (absent without gas) and Omega the
-//! orbital frequency about the star: the gas's own criteria, so that grains and gas make the same errors of integration and drift
-//! apart by drag alone.
+//! Step: dt = min( C sqrt(h / |g - g_star|), C_c h / (c + |u|), D / Omega ), with h and c the smoothing length and sound speed of the gas around,
+//! u the velocity relative to it (absent without gas), and Omega the orbital frequency about the star: the gas's own criteria, so that
+//! grains and gas make the same errors of integration and drift apart by drag alone. The stopping time has no part in it.
 
 use nbody::points::clock::{Centre, Pacing};
 use nbody::points::{Clock, Domain, Fault, Population, Vec3, clock};
@@ -10,17 +10,26 @@ use rayon::prelude::*;
 
 use crate::Dust;
 
+/// What part of a grain's times in the gas around a step may last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parts {
+    /// Of the time in which gravity, but for the star's, moves it by a smoothing length.
+    pub force: f64,
+    /// Of the time in which sound and its own motion cross a smoothing length.
+    pub courant: f64,
+}
+
 impl Dust {
     /// Chooses the steps that begin now.
     pub fn steps(
         &mut self,
         pacing: &Pacing,
-        force: f64,
+        parts: Parts,
         now: &Clock,
         next: &Clock,
     ) -> Result<(), Fault> {
         let particles = &self.particles;
-        let gravity = &self.rates.gravity;
+        let (gravity, crossing) = (&self.rates.gravity, &self.derived.crossing);
         let refused = self
             .rates
             .next_span
@@ -34,7 +43,8 @@ impl Dust {
                 let (x, h) = (particles.x[i], particles.h[i]);
                 let pull = (gravity[i] - pacing.central(x)).norm();
                 let near = if h > 0.0 {
-                    force * (h / pull).sqrt()
+                    let (pulled, crossed) = ((h / pull).sqrt(), crossing[i]);
+                    (parts.force * pulled).min(parts.courant * crossed)
                 } else {
                     f64::INFINITY
                 };
@@ -165,7 +175,11 @@ mod tests {
             } else {
                 now
             };
-            dust.steps(&pacing, 0.25, &now, &next).expect("a step");
+            let parts = Parts {
+                force: 0.25,
+                courant: 0.25,
+            };
+            dust.steps(&pacing, parts, &now, &next).expect("a step");
             dust.close(&now, &centre, &Domain::open());
             dust.open(&now, &next, &centre, &Domain::open());
             now = next;

@@ -3,7 +3,9 @@
 //! du/dt = -u / t(u) at frozen gas, u the speed relative to the gas, M = u / v_th, v_th = sqrt(8/pi) c, c the isothermal sound speed.
 //! Epstein: t = rho_s s / (rho v_th f), f = sqrt(1 + 9 pi/128 (u/c)^2) (Kwok 1975, PASP 87, 583), within 1.5 % of the exact integral.
 //! Stokes: t = 8 rho_s s / (3 C_D rho u), C_D = 24/Re, 24 Re^-0.6, 0.44 for Re < 1, < 800, above; Re = 2 s u / nu, nu = v_th l / 2
-//! (Whipple 1972; Weidenschilling 1977, MNRAS 180, 57), l = mass / (cross section rho); "by size" changes law at s = 9/4 l.
+//! (Whipple 1972; Weidenschilling 1977, MNRAS 180, 57), l = mass / (cross section rho).
+//! Auto: 1/t = (E^-4 + S^-4)^(-1/4), E Epstein's rate and S that of Stokes' law with the norm of order 32 of its three C_D: smooth in all it
+//! depends on, t within 2.8 % of the laws joined by hand except for 1.1 l < s < 4.2 l, where it is longer by up to 19 % at 9/4 l; subsonic beyond Epstein.
 //! Bodies: C_D = 1 / (1 / (24/Re + 40/(10 + Re)) + 3 M/8) + (2 - w) M/(1 + M) + w, w = 0.4, or 0.2 above Re = 2e5: a smooth form
 //! of the laws of Adachi, Hayashi & Nakazawa (1976, Prog. Theor. Phys. 56, 1756) as given by Tanigawa, Maruta & Machida (2014, ApJ 784, 109).
 
@@ -45,8 +47,8 @@ pub enum StoppingLaw {
     Epstein,
     /// Continuous flow at any Reynolds number.
     Stokes(Molecules),
-    /// Epstein's law for spheres smaller than 9/4 mean free paths, Stokes' for larger ones.
-    BySize(Molecules),
+    /// Epstein's law for spheres much smaller than 9/4 mean free paths, Stokes' for much larger ones, smoothly joined.
+    Auto(Molecules),
     /// One smooth law for all Reynolds and Mach numbers.
     Adachi(Molecules),
     /// t is the same everywhere.
@@ -87,6 +89,15 @@ impl StoppingLaw {
         )
     }
 
+    /// The same law with another constant, where it is one of a constant time or number and `own` is not zero.
+    pub fn with(self, own: f64) -> Self {
+        match self {
+            Self::ConstantStoppingTime(_) if own > 0.0 => Self::ConstantStoppingTime(own),
+            Self::ConstantStokes(_) if own > 0.0 => Self::ConstantStokes(own),
+            law => law,
+        }
+    }
+
     /// Stopping time at relative speed `speed`; infinite where nothing slows.
     pub fn stopping_time(&self, sphere: &Sphere, gas: &Ambient, speed: f64) -> f64 {
         1.0 / self.rate(sphere, gas, speed)
@@ -108,23 +119,13 @@ impl StoppingLaw {
                 let branch = Branch::at(per_speed * speed);
                 branch.coefficient(sphere, gas, per_speed) * speed.powf(branch.power)
             }
-            Self::BySize(molecules) => self
-                .by_size(molecules, sphere, gas)
-                .rate(sphere, gas, speed),
+            Self::Auto(molecules) => auto_rate(&molecules, sphere, gas, speed),
             Self::Adachi(molecules) => adachi_rate(&molecules, sphere, gas, speed),
         }
     }
 
-    /// Epstein's or Stokes' law, whichever holds for this sphere.
-    fn by_size(&self, molecules: Molecules, sphere: &Sphere, gas: &Ambient) -> Self {
-        if sphere.radius < 2.25 * molecules.mean_free_path(gas.rho) {
-            Self::Epstein
-        } else {
-            Self::Stokes(molecules)
-        }
-    }
-
-    /// ln(u(0) / u(dt)) for a start at `speed`: how often the relative speed falls by e within dt. Exact for every law but Adachi's (1e-7).
+    /// ln(u(0) / u(dt)) for a start at `speed`: how often the relative speed falls by e within dt. Exact for every law but Adachi's and
+    /// the joined one (1e-7).
     pub fn e_foldings(&self, sphere: &Sphere, gas: &Ambient, speed: f64, dt: f64) -> f64 {
         if gas.rho <= 0.0 || dt <= 0.0 {
             return 0.0;
@@ -142,9 +143,13 @@ impl StoppingLaw {
                 x + (excess * -(-2.0 * x).exp_m1()).ln_1p()
             }
             Self::Stokes(molecules) => stokes_e_foldings(&molecules, sphere, gas, speed, dt),
-            Self::BySize(molecules) => self
-                .by_size(molecules, sphere, gas)
-                .e_foldings(sphere, gas, speed, dt),
+            Self::Auto(molecules) => {
+                if sphere.radius < FREE * molecules.mean_free_path(gas.rho) {
+                    return Self::Epstein.e_foldings(sphere, gas, speed, dt);
+                }
+                let t = |u: f64| 1.0 / auto_rate(&molecules, sphere, gas, u);
+                integrated_e_foldings(t, 0.0, speed, dt)
+            }
             Self::Adachi(molecules) => {
                 let crisis = CRISIS / molecules.reynolds(sphere, gas);
                 let t = |u: f64| 1.0 / adachi_rate(&molecules, sphere, gas, u);
@@ -230,6 +235,28 @@ fn stokes_e_foldings(
     }
 }
 
+/// Radii by the mean free path below which the joined law is Epstein's to 1e-9 at all speeds.
+const FREE: f64 = 0.015;
+
+/// 1/t of the laws of Epstein and Stokes, joined; finite at rest.
+fn auto_rate(molecules: &Molecules, sphere: &Sphere, gas: &Ambient, speed: f64) -> f64 {
+    let per_speed = molecules.reynolds(sphere, gas);
+    let reynolds = per_speed * speed;
+    // C_D by 24/Re, whose three branches meet at Re = 1 and 800.
+    let [slow, fast] = [reynolds.powf(0.4), 0.44 / 24.0 * reynolds];
+    let most = slow.max(fast).max(1.0);
+    let powers = [1.0, slow, fast].map(|branch| (branch / most).powi(32));
+    let drag = most * powers.iter().sum::<f64>().powf(1.0 / 32.0);
+    let continuous = 9.0 * gas.rho / (per_speed * sphere.density * sphere.radius) * drag;
+    let free = epstein_rate(sphere, gas) * kwok(gas, speed);
+    let (less, ratio) = if free < continuous {
+        (free, free / continuous)
+    } else {
+        (continuous, continuous / free)
+    };
+    less / (1.0 + ratio.powi(4)).sqrt().sqrt()
+}
+
 /// 1/t of the smooth law, written such that it is finite at rest.
 fn adachi_rate(molecules: &Molecules, sphere: &Sphere, gas: &Ambient, speed: f64) -> f64 {
     let per_speed = molecules.reynolds(sphere, gas);
@@ -248,6 +275,22 @@ const GAUSS: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_2, 0.173_927_422_568_726_93),
 ];
+
+/// The interval of `depth` e-foldings from `u` down, halved until halving it once more changes the time that it takes by less than 1e-8;
+/// and that time.
+fn halved(elapsed: &impl Fn(f64, f64) -> f64, u: f64, mut depth: f64) -> (f64, f64) {
+    let mut time = elapsed(u, depth);
+    for _ in 0..12 {
+        let half = 0.5 * depth;
+        let first = elapsed(u, half);
+        let whole = first + elapsed(u * (-half).exp(), half);
+        if (whole - time).abs() <= 1e-8 * whole {
+            return (depth, whole);
+        }
+        (depth, time) = (half, first);
+    }
+    (depth, time)
+}
 
 /// Inverts dt = integral of t(u) d ln u, in intervals of at most a factor two in speed that do not straddle `jump`.
 fn integrated_e_foldings(t: impl Fn(f64) -> f64, jump: f64, speed: f64, dt: f64) -> f64 {
@@ -269,7 +312,7 @@ fn integrated_e_foldings(t: impl Fn(f64) -> f64, jump: f64, speed: f64, dt: f64)
         } else {
             LN_2
         };
-        let time = elapsed(u, depth);
+        let (depth, time) = halved(&elapsed, u, depth);
         if time >= left {
             let mut part = depth * left / time;
             for _ in 0..4 {

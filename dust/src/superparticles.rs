@@ -19,6 +19,8 @@ columns! {
         grain_radius: Real = Label::snapshot("GrainRadii", Dimension::LENGTH, "radius of a grain"),
         /// material density of a grain
         grain_density: Real = Label::snapshot("GrainDensities", Dimension::DENSITY, "material density of a grain"),
+        /// what the law of drag holds constant, of the grain's own: a stopping time or a Stokes number; zero: the law's
+        stopping: Real = Label::checkpoint("StoppingConstants", Dimension::NONE, "stopping time or Stokes number of the grain's own").optional(),
         /// smoothing length of the gas around: the one that gives the grain its wanted number of gas neighbours
         h: Real = Label::checkpoint("SmoothingLengths", Dimension::LENGTH, "smoothing length of the gas around"),
         /// tick at which the present step began
@@ -39,6 +41,8 @@ columns! {
         stokes: Real = Label::snapshot("StokesNumbers", Dimension::NONE, "stopping time by the orbital frequency"),
         /// density of the gas around
         rho_gas: Real = Label::snapshot("GasDensities", Dimension::DENSITY, "density of the gas around"),
+        /// h by the sum of sound speed and relative speed; infinite without gas around, zero before it was looked for
+        crossing: Real = Label::checkpoint("CrossingTimes", Dimension::TIME, "time in which sound and grain cross the smoothing length"),
     }
 }
 

@@ -16,6 +16,7 @@ use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::rearrange::RearrangeGas;
 use coupling::{Operator, Splitting, System};
+use dust::motion::Parts;
 use nbody::gravity as solver;
 use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
@@ -88,6 +89,9 @@ fn stride(scene: &Scene, integrator: Integrator, step: f64) -> f64 {
         .ceil()
         .clamp(1.0, MOST_STEPS)
 }
+
+/// Courant's part for grains in gas by that for gas.
+const DUST_STEP: f64 = 2.0;
 
 /// Steps of bodies after which the program looks for signals and checkpoints.
 const MOST_STEPS: f64 = 65536.0;
@@ -295,6 +299,7 @@ fn operators(
             populate::dust_law(scene, d),
             hydro,
             scene.coupling.feedback,
+            scene.coupling.heat_share,
         )));
     }
     if let (true, true, Some(p), Some(hydro)) = (
@@ -308,6 +313,7 @@ fn operators(
             populate::body_law(scene, p),
             hydro,
             scene.coupling.feedback,
+            scene.coupling.heat_share,
         )));
     }
     let kicked = gas || dust || scene.has_surroundings();
@@ -335,9 +341,14 @@ fn operators(
         orbit: scene.accuracy.orbit_step,
     };
     if dust {
-        let force = scene.accuracy.acceleration_step;
+        let parts = Parts {
+            force: scene.accuracy.acceleration_step,
+            courant: hydro
+                .as_ref()
+                .map_or(f64::INFINITY, |hydro| DUST_STEP * hydro.courant),
+        };
         let reaction = reaction(Mass::Dust, plan.dust);
-        list.push(Box::new(KickDust::new(pacing, force, reaction)));
+        list.push(Box::new(KickDust::new(pacing, parts, reaction)));
     }
     if let Some(hydro) = hydro.filter(|_| gas) {
         list.push(Box::new(KickGas {

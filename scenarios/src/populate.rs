@@ -141,10 +141,13 @@ fn molecules_of(scene: &Scene, mu: f64) -> Molecules {
 
 /// The law that grains are stopped by.
 pub fn dust_law(scene: &Scene, dust: &scene::Dust) -> StoppingLaw {
-    let _ = scene;
     match dust.drag {
         scene::DustDrag::None => StoppingLaw::None,
         scene::DustDrag::Epstein => StoppingLaw::Epstein,
+        scene::DustDrag::Stokes => StoppingLaw::Stokes(molecules(scene)),
+        scene::DustDrag::Auto => StoppingLaw::Auto(molecules(scene)),
+        scene::DustDrag::Adachi => StoppingLaw::Adachi(molecules(scene)),
+        scene::DustDrag::Quadratic(coefficient) => StoppingLaw::Quadratic(coefficient),
         scene::DustDrag::ConstantStoppingTime(t) => StoppingLaw::ConstantStoppingTime(t),
         scene::DustDrag::ConstantStokesNumber(st) => StoppingLaw::ConstantStokes(st),
     }
@@ -522,10 +525,18 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
         append(&mut all, &made);
     }
     for b in &dust.blocks {
-        let (x, mass, first) = block(scene, b, ids, Purpose::DustPositions);
+        let (x, mass, first) = block(scene, &b.block, ids, Purpose::DustPositions);
         let n = x.len();
-        let mut made = grains(n, mass * n as f64).block(x, first);
-        streaming(scene, b.velocity, &made.x, &mut made.v);
+        let own = Grains {
+            sizes: b.size.map_or(sizes, grains::Sizes::One),
+            material_density: b.material_density.unwrap_or(dust.material_density),
+            ..grains(n, mass * n as f64)
+        };
+        let mut made = own.block(x, first);
+        streaming(scene, b.block.velocity, &made.x, &mut made.v);
+        if let Some(stopping) = b.stopping {
+            made.stopping = vec![stopping; n];
+        }
         append(&mut all, &made);
     }
     let first = ids.take(file.len());

@@ -2,7 +2,7 @@
 
 mod bodies;
 mod cooling;
-mod dust;
+pub mod dust;
 mod eos;
 mod frame;
 pub mod gas;

@@ -35,6 +35,10 @@ impl Range {
         test: |x| x > 0.0 && x <= 1.0,
         text: "greater than 0 and at most 1",
     };
+    pub const PART: Self = Self {
+        test: |x| (0.0..=1.0).contains(&x),
+        text: "from 0 to 1",
+    };
 }
 
 /// What all sections of one scene share.

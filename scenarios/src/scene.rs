@@ -292,8 +292,18 @@ pub struct Dust {
     /// Edges of the dust disk; those of the gas disk unless given. Zero without a disk.
     pub inner_radius: f64,
     pub outer_radius: f64,
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<DustBlock>,
     pub drag: DustDrag,
+}
+
+/// A block of dust, and what its grains have of their own; the rest they have from the dust.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DustBlock {
+    pub block: Block,
+    pub size: Option<f64>,
+    pub material_density: Option<f64>,
+    /// What the law of drag holds constant: stopping time or Stokes number.
+    pub stopping: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -318,8 +328,24 @@ pub enum Sizes {
 pub enum DustDrag {
     None,
     Epstein,
+    Stokes,
+    /// Epstein's and Stokes' laws, joined.
+    Auto,
+    Adachi,
     ConstantStoppingTime(f64),
     ConstantStokesNumber(f64),
+    /// a = -coefficient |v| v; coefficient per length.
+    Quadratic(f64),
+}
+
+impl DustDrag {
+    /// Whether it follows from grains and the molecules of the gas.
+    pub fn is_physical(&self) -> bool {
+        matches!(
+            self,
+            Self::Epstein | Self::Stokes | Self::Auto | Self::Adachi
+        )
+    }
 }
 
 /// The generated belt, and how all bodies (planetesimals, planets, star) move.
@@ -530,11 +556,13 @@ impl Pulls {
 }
 
 /// Which pairs exchange momentum by drag, and whether the gas feels it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     pub gas_dust: bool,
     pub gas_planetesimals: bool,
     pub feedback: bool,
+    /// Of the heat of friction, what the gas keeps; the rest is radiated.
+    pub heat_share: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use coupling::ledger::{Census, Report};
 use coupling::{Splitting, System};
+use dust::{Dust, Superparticles};
 use gas::{Gas, Particles};
 use nbody::points::Fault;
 
@@ -34,13 +35,26 @@ impl Trial {
         overrides: &[String],
         prepare: impl FnOnce(&mut Particles),
     ) -> Result<Self, String> {
+        Self::prepared(text, overrides, |gas, _| prepare(gas))
+    }
+
+    /// The same, its dust changed too.
+    pub fn prepared(
+        text: &str,
+        overrides: &[String],
+        prepare: impl FnOnce(&mut Particles, &mut Superparticles),
+    ) -> Result<Self, String> {
         let scene = Scene::parse(text, "trial", Path::new("."), overrides)
             .map_err(|problems| format!("{problems:?}"))?;
         let mut system = assemble::start(&scene).map_err(|refusal| refusal.0)?;
-        if !system.gas.is_empty() {
-            let mut particles = std::mem::take(&mut system.gas.particles);
-            prepare(&mut particles);
+        let mut particles = std::mem::take(&mut system.gas.particles);
+        let mut grains = std::mem::take(&mut system.dust.particles);
+        prepare(&mut particles, &mut grains);
+        if !particles.x.is_empty() {
             system.gas = Gas::new(particles);
+        }
+        if !grains.x.is_empty() {
+            system.dust = Dust::new(grains);
         }
         let Assembly {
             system, splitting, ..

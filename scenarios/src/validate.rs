@@ -7,7 +7,7 @@ use nbody::points::Vec3;
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
-    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, DustDrag, Eos, Gas, GasDisk,
+    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, Eos, Gas, GasDisk,
     Integrator, Mass, Orbit, Planetesimals, Scene, Sizes,
 };
 use crate::units::System;
@@ -204,7 +204,7 @@ fn eos_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
         && scene
             .dust
             .as_ref()
-            .is_some_and(|dust| dust.drag == DustDrag::Epstein)
+            .is_some_and(|dust| dust.drag.is_physical())
     {
         complaints.say("dust.drag.law", sentence);
     }
@@ -304,13 +304,13 @@ fn dust_rules(scene: &Scene, dust: &Dust, complaints: &Complaints<'_>) {
     {
         complaints.say("dust.size.min", "must be less than dust.size.max");
     }
-    for (i, block) in dust.blocks.iter().enumerate() {
-        block_rules(scene, block, &format!("dust.block.{i}"), complaints);
+    for (i, entry) in dust.blocks.iter().enumerate() {
+        block_rules(scene, &entry.block, &format!("dust.block.{i}"), complaints);
     }
     let total: f64 = dust
         .blocks
         .iter()
-        .map(|block| block_number(scene, block))
+        .map(|entry| block_number(scene, &entry.block))
         .sum();
     too_many(total + dust.particles as f64, "dust.block", complaints);
 }

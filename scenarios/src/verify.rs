@@ -1,5 +1,6 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
+mod dust;
 mod field_steps;
 mod gammie;
 pub mod gas;
@@ -163,8 +164,8 @@ const fn of_scheme(
     }
 }
 
-/// All problems, in the order in which they run.
-pub const PROBLEMS: [Problem; 31] = [
+/// All problems but those with lists of their own, in the order in which they run.
+pub const PROBLEMS: &[Problem] = &[
     own(
         "sod",
         "shock tube of 57 600 particles in both precisions; about 1 minute",
@@ -318,29 +319,38 @@ pub const PROBLEMS: [Problem; 31] = [
     ),
 ];
 
+/// The lists of all problems, in the order in which they run.
+const LISTS: [&[Problem]; 2] = [PROBLEMS, dust::PROBLEMS];
+
+/// Names of groups: each means all problems whose names begin with it and a dash.
+const GROUPS: [&str; 3] = ["gas", "dust", "coupling"];
+
+fn problems() -> impl Iterator<Item = &'static Problem> {
+    LISTS.into_iter().flatten()
+}
+
 impl Problem {
-    /// Whether a name on the command line means this problem; that of the gas means all of its battery.
+    /// Whether a name on the command line means this problem.
     fn is_meant(&self, name: &str) -> bool {
-        name == self.name || name == BATTERY && matches!(self.rows, Rows::Of(_))
+        let rest = self.name.strip_prefix(name);
+        rest.is_some_and(|rest| rest.is_empty() || GROUPS.contains(&name) && rest.starts_with('-'))
     }
 }
 
-/// The name of all problems that take a scheme.
-const BATTERY: &str = "gas";
-
 /// The problems that the names mean, all if there is none.
 fn chosen(names: &[String]) -> Result<Vec<&'static Problem>, String> {
-    let is_known = |name: &&String| PROBLEMS.iter().any(|problem| problem.is_meant(name));
+    let is_known = |name: &&String| problems().any(|problem| problem.is_meant(name));
     if let Some(stranger) = names.iter().find(|name| !is_known(name)) {
-        let known: Vec<&str> = PROBLEMS.iter().map(|problem| problem.name).collect();
+        let known: Vec<&str> = problems().map(|problem| problem.name).collect();
         return Err(format!(
-            "there is no problem \"{stranger}\"; known are {}, and {BATTERY} for all gas-...",
-            known.join(", ")
+            "there is no problem \"{stranger}\"; known are {}; and {} mean all whose names begin so",
+            known.join(", "),
+            GROUPS.join(", ")
         ));
     }
     let meant =
         |problem: &&Problem| names.is_empty() || names.iter().any(|name| problem.is_meant(name));
-    Ok(PROBLEMS.iter().filter(meant).collect())
+    Ok(problems().filter(meant).collect())
 }
 
 /// Runs the problems named, all if none is; prints a table of each as it is done. Answers whether all were at least acceptable.
@@ -352,7 +362,7 @@ pub fn verify(names: &[String], set: &[String], pictures: Option<&Path>) -> Resu
         && (!set.is_empty() || pictures.is_some())
     {
         return Err(format!(
-            "--set and --pictures belong to {BATTERY} and the problems gas-...; \"{}\" takes neither",
+            "--set and --pictures belong to gas and the problems gas-...; \"{}\" takes neither",
             other.name
         ));
     }
@@ -422,6 +432,19 @@ mod tests {
             assert_eq!(figures.map(|figure| row(figure, bar).verdict()), expected);
         }
         assert_eq!(row(1.0, Bar::None).verdict(), "told");
+    }
+
+    #[test]
+    fn a_group_means_the_problems_that_begin_with_its_name() {
+        for group in ["gas", "dust"] {
+            let problems = chosen(&[group.to_string()]).expect("a group");
+            for problem in problems {
+                assert_eq!(problem.name.split('-').next(), Some(group));
+            }
+        }
+        for stranger in ["gas-", "stir", "dus"] {
+            assert!(chosen(&[stranger.to_string()]).is_err(), "{stranger}");
+        }
     }
 
     #[test]

@@ -90,7 +90,15 @@ impl Block {
         }
         self.number_slots(&mut scratch.window);
         self.place.resize(self.gas.len(), 0);
-        self.hear(gas);
+        self.hear(gas, domain);
+        for (row, &i) in self.rows.iter_mut().zip(members) {
+            let i = i as usize;
+            let u = domain.relative(immersed.position(i), immersed.velocity(i)) - row.v_gas;
+            row.crossing = match row.shape {
+                Shape::Empty => f64::INFINITY,
+                _ => row.h / (row.c + u.norm()),
+            };
+        }
     }
 
     fn clear(&mut self) {
@@ -154,17 +162,26 @@ impl Block {
         }
     }
 
-    /// Isothermal sound speed around each row.
-    fn hear(&mut self, gas: &Gas) {
-        let square = |&j: &u32| parcel(Vec3::zeros(), isothermal(gas, j as usize));
+    /// Mean velocity and isothermal sound speed around each row; the velocity relative to a shear.
+    fn hear(&mut self, gas: &Gas, domain: &Domain) {
+        let state = |&j: &u32| {
+            let j = j as usize;
+            let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
+            parcel(v, isothermal(gas, j))
+        };
         self.partial.clear();
-        self.partial.extend(self.gas.iter().map(square));
+        self.partial.extend(self.gas.iter().map(state));
         for k in 0..self.rows.len() {
-            let pairs = self.pairs(k);
-            let (sum, norm) = pairs.fold((0.0, 0.0), |(sum, norm), (slot, w)| {
-                (sum + w.abs() * self.partial[slot][3], norm + w.abs())
-            });
-            self.rows[k].c = if norm > 0.0 { (sum / norm).sqrt() } else { 0.0 };
+            let (mut sum, mut norm) = ([0.0; 4], 0.0);
+            for (slot, w) in self.pairs(k) {
+                let (state, w) = (&self.partial[slot], w.abs());
+                (0..4).for_each(|n| sum[n] += w * state[n]);
+                norm += w;
+            }
+            let row = &mut self.rows[k];
+            // Without neighbours everything is zero, and the time to cross infinite.
+            let norm = if norm > 0.0 { norm } else { 1.0 };
+            (row.v_gas, row.c) = (vector(&sum, 0) / norm, (sum[3] / norm).sqrt());
         }
     }
 
@@ -204,7 +221,7 @@ impl Block {
 
     pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
         for (row, &i) in self.rows.iter().zip(members) {
-            immersed.keep_smoothing(i as usize, row.h);
+            immersed.keep_smoothing(i as usize, row.h, row.crossing);
         }
     }
 

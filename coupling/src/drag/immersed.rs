@@ -1,6 +1,6 @@
 //! Immersed particles: what drag needs to know of grains and of bodies.
 
-use dust::{Dust, Sphere};
+use dust::{Dust, Sphere, StoppingLaw};
 use nbody::Bodies;
 use nbody::points::Vec3;
 
@@ -9,6 +9,8 @@ pub trait Immersed: Sync {
     fn position(&self, i: usize) -> Vec3;
     fn mass(&self, i: usize) -> f64;
     fn sphere(&self, i: usize) -> Sphere;
+    /// `law` as it is for this particle.
+    fn law(&self, i: usize, law: StoppingLaw) -> StoppingLaw;
     /// Orbital frequency; zero without a star.
     fn omega(&self, i: usize) -> f64;
     /// Velocity at this tick.
@@ -17,7 +19,8 @@ pub trait Immersed: Sync {
     fn acceleration(&self, i: usize) -> Option<Vec3>;
     /// Smoothing length of the gas around; zero if unknown.
     fn smoothing(&self, i: usize) -> f64;
-    fn keep_smoothing(&mut self, i: usize, h: f64);
+    /// Takes the smoothing length of the gas around, and the time in which sound and particle cross it.
+    fn keep_smoothing(&mut self, i: usize, h: f64, crossing: f64);
     /// Takes the change of velocity, and notes stopping time and density of the gas around.
     fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64);
 }
@@ -64,6 +67,11 @@ impl Immersed for Grains<'_> {
         }
     }
 
+    fn law(&self, i: usize, law: StoppingLaw) -> StoppingLaw {
+        let own = self.dust.particles.stopping.get(i);
+        own.map_or(law, |&own| law.with(own))
+    }
+
     fn omega(&self, i: usize) -> f64 {
         self.star.omega(self.position(i))
     }
@@ -80,8 +88,9 @@ impl Immersed for Grains<'_> {
         self.dust.particles.h[i]
     }
 
-    fn keep_smoothing(&mut self, i: usize, h: f64) {
+    fn keep_smoothing(&mut self, i: usize, h: f64, crossing: f64) {
         self.dust.particles.h[i] = h;
+        self.dust.derived.crossing[i] = crossing;
     }
 
     fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64) {
@@ -124,6 +133,10 @@ impl Immersed for BodiesInGas<'_> {
         }
     }
 
+    fn law(&self, _: usize, law: StoppingLaw) -> StoppingLaw {
+        law
+    }
+
     fn omega(&self, i: usize) -> f64 {
         self.star.omega(self.position(i))
     }
@@ -140,7 +153,7 @@ impl Immersed for BodiesInGas<'_> {
         self.h[i]
     }
 
-    fn keep_smoothing(&mut self, i: usize, h: f64) {
+    fn keep_smoothing(&mut self, i: usize, h: f64, _: f64) {
         self.h[i] = h;
     }
 

@@ -13,13 +13,14 @@ const PLANET: u32 = nbody::Kind::Planet as u32;
 /// Immersed particles look for gas within this many of the largest smoothing lengths of the gas.
 const FARTHEST: f64 = 2.0;
 
-fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Exchange {
+fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Exchange {
     let reach = Reach {
         neighbours: hydro.neighbours,
         largest: 1.0,
     };
     Exchange::new(Settings {
         feedback,
+        heat_share,
         ..Settings::new(law, reach)
     })
 }
@@ -66,9 +67,9 @@ pub struct DustDrag {
 }
 
 impl DustDrag {
-    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Self {
+    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Self {
         Self {
-            exchange: exchange(law, hydro, feedback),
+            exchange: exchange(law, hydro, feedback, heat_share),
             active: Vec::new(),
             steps: Vec::new(),
         }
@@ -146,9 +147,9 @@ pub struct BodyDrag {
 }
 
 impl BodyDrag {
-    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool) -> Self {
+    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Self {
         Self {
-            exchange: exchange(law, hydro, feedback),
+            exchange: exchange(law, hydro, feedback, heat_share),
             active: Vec::new(),
             steps: Vec::new(),
             planets: Vec::new(),

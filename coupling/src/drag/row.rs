@@ -12,6 +12,8 @@ pub struct Row {
     pub h: f64,
     pub rho: f64,
     pub c: f64,
+    /// time in which sound and particle cross h
+    pub crossing: f64,
     pub shape: Shape,
     pub gain: f64,
     /// Place of its rigid shape in `turns`.
@@ -47,7 +49,7 @@ impl Row {
             Half::Opening => (self.u_tick, 0.5),
         };
         self.u_middle = self.u_tick + sign * kick;
-        let sphere = immersed.sphere(i);
+        let (sphere, law) = (immersed.sphere(i), immersed.law(i, *law));
         let ambient = Ambient {
             rho: self.rho,
             c: self.c,

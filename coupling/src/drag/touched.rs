@@ -5,7 +5,7 @@ use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::{Booking, Parcel, Vec3};
+use super::{Booking, Half, Parcel, Vec3};
 
 const NOWHERE: u32 = u32::MAX;
 
@@ -85,7 +85,7 @@ impl Touched {
         &self,
         gas: &mut Gas,
         heat_share: f64,
-        (domain, clock): (&Domain, &Clock),
+        (domain, half, clock): (&Domain, Half, &Clock),
         booking: &mut Booking,
     ) {
         let (particles, rates) = (&mut gas.particles, &mut gas.rates);
@@ -109,6 +109,12 @@ impl Touched {
             rates.v_pred[j] += dv;
             particles.u[j] += heat_share * heat;
             rates.u_pred[j] += heat_share * heat;
+            if half == Half::Closing && (clock.synchronous() || particles.end[j] == clock.tick) {
+                // The work of pressure at this tick is that on the velocity between its half steps: both were found before this change.
+                let work = dv.dot(&(rates.dv_close[j] + rates.dv_open[j]));
+                particles.u[j] -= work;
+                rates.u_pred[j] -= work;
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Kicks of the dust by gravity.
 
+use dust::motion::Parts;
 use nbody::points::Fault;
 
 use super::Steps;
@@ -11,18 +12,17 @@ use crate::operator::{Meter, Operator, Phase};
 /// Kicks of the dust.
 pub struct KickDust {
     pub pacing: Steps,
-    /// Part of the time in which gravity, but for the star's, moves a grain by a smoothing length.
-    pub force: f64,
+    pub parts: Parts,
     pub reaction: Reaction,
     /// Places of the dust whose step ends now.
     active: Vec<u32>,
 }
 
 impl KickDust {
-    pub fn new(pacing: Steps, force: f64, reaction: Reaction) -> Self {
+    pub fn new(pacing: Steps, parts: Parts, reaction: Reaction) -> Self {
         Self {
             pacing,
-            force,
+            parts,
             reaction,
             active: Vec::new(),
         }
@@ -63,7 +63,7 @@ impl Operator for KickDust {
         );
         system
             .dust
-            .steps(&pacing, self.force, &system.clock, &system.next)?;
+            .steps(&pacing, self.parts, &system.clock, &system.next)?;
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use super::Facts;
 use super::gas::{block, disk_particles, softening};
 use crate::reader::{Range, Section};
-use crate::scene::{Block, Dust, DustAmount, DustDrag, Gas, Sizes, Softening};
+use crate::scene::{Dust, DustAmount, DustBlock, DustDrag, Gas, Sizes, Softening};
 use crate::units::{Kind, System};
 
 pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust> {
@@ -11,10 +11,11 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
     if !section.present {
         return None;
     }
-    let blocks: Vec<Block> = section
+    let drag = drag(&section, facts);
+    let blocks: Vec<DustBlock> = section
         .sections("block")
         .into_iter()
-        .map(|entry| block(entry, facts))
+        .map(|entry| dust_block(entry, facts, drag))
         .collect();
     let from_disk = section.has("particles") && facts.has_disk;
     if !section.has("particles") && blocks.is_empty() && !facts.has_file {
@@ -37,13 +38,15 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
         inner_radius,
         outer_radius,
         blocks,
-        drag: drag(&section, facts),
+        drag,
     };
-    if matches!(dust.drag, DustDrag::Epstein) && !section.has("size") && !facts.has_file {
-        section.wrong(
-            "size",
-            "needs size, such as \"1 mm\", since the law of drag is \"epstein\"",
+    let asks = from_disk || dust.blocks.iter().any(|block| block.size.is_none());
+    if dust.drag.is_physical() && asks && !section.has("size") && !facts.has_file {
+        let sentence = format!(
+            "needs size, such as \"1 mm\", since the law of drag is \"{}\"",
+            name(dust.drag)
         );
+        section.wrong("size", &sentence);
     }
     section.later(&["growth", "turbulence"]);
     section.close();
@@ -115,54 +118,105 @@ fn material_density(section: &Section<'_>) -> f64 {
     })
 }
 
+/// A block, and what its grains have of their own.
+fn dust_block(section: Section<'_>, facts: &Facts, drag: DustDrag) -> DustBlock {
+    let block = block(&section, facts);
+    let size = section.quantity("size", Kind::LENGTH, Range::POSITIVE);
+    let material_density = section.quantity("material_density", Kind::DENSITY, Range::POSITIVE);
+    let time = section.quantity("stopping_time", Kind::TIME, Range::POSITIVE);
+    let stokes = section.number("stokes_number", Range::POSITIVE);
+    let is_time = matches!(drag, DustDrag::ConstantStoppingTime(_));
+    let is_stokes = matches!(drag, DustDrag::ConstantStokesNumber(_));
+    for (key, law, fits) in [
+        ("stopping_time", "constant-stopping-time", is_time),
+        ("stokes_number", "constant-stokes-number", is_stokes),
+    ] {
+        if !fits {
+            section.misplaced(&[key], &format!("belongs to dust.drag.law = \"{law}\""));
+        }
+    }
+    section.close();
+    DustBlock {
+        block,
+        size,
+        material_density,
+        stopping: if is_time { time } else { stokes },
+    }
+}
+
+/// The laws of drag, by the words that scenes know them by.
+const LAWS: [&str; 8] = [
+    "none",
+    "epstein",
+    "stokes",
+    "auto",
+    "adachi",
+    "constant-stopping-time",
+    "constant-stokes-number",
+    "quadratic",
+];
+
+/// The word that scenes know a law by.
+pub fn name(law: DustDrag) -> &'static str {
+    LAWS[match law {
+        DustDrag::None => 0,
+        DustDrag::Epstein => 1,
+        DustDrag::Stokes => 2,
+        DustDrag::Auto => 3,
+        DustDrag::Adachi => 4,
+        DustDrag::ConstantStoppingTime(_) => 5,
+        DustDrag::ConstantStokesNumber(_) => 6,
+        DustDrag::Quadratic(_) => 7,
+    }]
+}
+
 fn drag(dust: &Section<'_>, facts: &Facts) -> DustDrag {
     let section = dust.section("drag");
-    let laws = [
-        ("none", 0),
-        ("epstein", 1),
-        ("constant-stopping-time", 2),
-        ("constant-stokes-number", 3),
-    ];
-    let law = section.choice("law", &laws, &["stokes", "auto"]);
-    let law = law.unwrap_or(if facts.has_gas { 1 } else { 0 });
+    let laws: Vec<(&str, usize)> = LAWS.into_iter().zip(0..).collect();
+    let law = section.choice("law", &laws, &[]);
+    let law = law.unwrap_or(usize::from(facts.has_gas));
     if law != 0 && !facts.has_gas {
         section.wrong(
             "law",
             "needs [gas] to rub against; without gas allowed is \"none\"",
         );
     }
-    let time = section.quantity("stopping_time", Kind::TIME, Range::POSITIVE);
-    let stokes = section.number("stokes_number", Range::POSITIVE);
-    if law != 2 {
-        section.misplaced(
-            &["stopping_time"],
-            "belongs to law = \"constant-stopping-time\"",
-        );
-    }
-    if law != 3 {
-        section.misplaced(
-            &["stokes_number"],
-            "belongs to law = \"constant-stokes-number\"",
-        );
-    } else if !facts.has_orbits {
+    let drag = numbered(&section, law);
+    if law == 6 && !facts.has_orbits {
         section.wrong("law", "needs a [star], which sets the orbital frequency");
     }
-    let drag = match law {
-        0 => DustDrag::None,
-        1 => DustDrag::Epstein,
-        2 => DustDrag::ConstantStoppingTime(section.required(
-            "stopping_time",
-            time,
-            "a time such as \"1 yr\"",
-            f64::NAN,
-        )),
-        _ => DustDrag::ConstantStokesNumber(section.required(
-            "stokes_number",
-            stokes,
-            "such as 0.1",
-            f64::NAN,
-        )),
-    };
     section.close();
     drag
+}
+
+/// A law by its place in the list, with the number that it needs.
+fn numbered(section: &Section<'_>, law: usize) -> DustDrag {
+    let time = section.quantity("stopping_time", Kind::TIME, Range::POSITIVE);
+    let stokes = section.number("stokes_number", Range::POSITIVE);
+    let coefficient = section.quantity("coefficient", Kind::PER_LENGTH, Range::POSITIVE);
+    let owners = [
+        (5, "stopping_time"),
+        (6, "stokes_number"),
+        (7, "coefficient"),
+    ];
+    for (owner, key) in owners.into_iter().filter(|(owner, _)| *owner != law) {
+        section.misplaced(&[key], &format!("belongs to law = \"{}\"", LAWS[owner]));
+    }
+    let needed = |key, value, example| section.required(key, value, example, f64::NAN);
+    match law {
+        0 => DustDrag::None,
+        1 => DustDrag::Epstein,
+        2 => DustDrag::Stokes,
+        3 => DustDrag::Auto,
+        4 => DustDrag::Adachi,
+        5 => {
+            DustDrag::ConstantStoppingTime(needed("stopping_time", time, "a time such as \"1 yr\""))
+        }
+        6 => DustDrag::ConstantStokesNumber(needed("stokes_number", stokes, "such as 0.1")),
+        _ => DustDrag::Quadratic(needed(
+            "coefficient",
+            coefficient,
+            "an inverse length such as \"1e-9 1/au\"",
+        )),
+    }
 }

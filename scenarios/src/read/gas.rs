@@ -196,10 +196,9 @@ fn gas_block(section: Section<'_>, facts: &Facts, eos: &Eos) -> GasBlock {
         }
         Thermal::Pressure(pressure.unwrap_or(f64::NAN))
     };
-    GasBlock {
-        block: block(section, facts),
-        thermal,
-    }
+    let block = block(&section, facts);
+    section.close();
+    GasBlock { block, thermal }
 }
 
 /// The internal energies that gas may begin with: none is in cold solids alone.
@@ -211,7 +210,7 @@ fn least(eos: &Eos) -> Range {
 }
 
 /// The keys that blocks of gas and of dust share.
-pub fn block(section: Section<'_>, facts: &Facts) -> Block {
+pub fn block(section: &Section<'_>, facts: &Facts) -> Block {
     let corner = "a corner of the box, [x, y, z]";
     let nowhere = Vec3::repeat(f64::NAN);
     let lo = section.vector("lo", Kind::LENGTH);
@@ -231,7 +230,7 @@ pub fn block(section: Section<'_>, facts: &Facts) -> Block {
         );
     }
     let velocity = section.vector("velocity", Kind::VELOCITY);
-    let block = Block {
+    Block {
         lo: section.required("lo", lo, corner, nowhere),
         hi: section.required("hi", hi, corner, nowhere),
         spacing: section.required(
@@ -243,9 +242,7 @@ pub fn block(section: Section<'_>, facts: &Facts) -> Block {
         lattice: lattice.unwrap_or(Lattice::Cubic),
         density: section.required("density", density, facts.density().example(), f64::NAN),
         velocity: velocity.unwrap_or_else(Vec3::zeros),
-    };
-    section.close();
-    block
+    }
 }
 
 /// The zones at the edges of a disk, and what holds the inner one.

@@ -42,6 +42,7 @@ pub fn no_coupling() -> Coupling {
         gas_dust: false,
         gas_planetesimals: false,
         feedback: true,
+        heat_share: 1.0,
     }
 }
 
@@ -180,6 +181,7 @@ pub fn with_coupling(mut scene: Scene, root: &Section<'_>) -> Scene {
         gas_dust: wants(0, can_dust),
         gas_planetesimals: wants(1, can_bodies),
         feedback: section.flag("feedback").unwrap_or(true),
+        heat_share: section.number("heat_share", Range::PART).unwrap_or(1.0),
     };
     for (on, can, what, law) in [
         (

@@ -134,7 +134,7 @@ fn order(resolutions: &[f64], errors: &[f64]) -> f64 {
 }
 
 /// The place below which a part of the mass lies that has this density over the unit interval, and the whole mass.
-fn stretched(density: impl Fn(f64) -> f64) -> (impl Fn(f64) -> f64, f64) {
+pub fn stretched(density: impl Fn(f64) -> f64) -> (impl Fn(f64) -> f64, f64) {
     const PARTS: usize = 20_000;
     let width = 1.0 / PARTS as f64;
     let mut below = vec![0.0];

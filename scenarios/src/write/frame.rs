@@ -109,6 +109,7 @@ pub fn forces(text: &mut Text, scene: &Scene) {
         .collect();
     text.raw("drag", format_args!("{on:?}"));
     text.raw("feedback", scene.coupling.feedback);
+    text.number("heat_share", scene.coupling.heat_share);
     text.table("accuracy");
     text.text(
         "preset",

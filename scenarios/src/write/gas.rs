@@ -196,21 +196,29 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
         None => {}
     }
     text.number("material_density", dust.material_density);
-    for block in &dust.blocks {
+    for entry in &dust.blocks {
         text.entry("dust.block");
-        write_block(text, block);
+        write_block(text, &entry.block);
+        let stopping = match dust.drag {
+            DustDrag::ConstantStokesNumber(_) => "stokes_number",
+            _ => "stopping_time",
+        };
+        for (key, own) in [
+            ("size", entry.size),
+            ("material_density", entry.material_density),
+            (stopping, entry.stopping),
+        ] {
+            if let Some(own) = own {
+                text.number(key, own);
+            }
+        }
     }
     text.table("dust.drag");
+    text.text("law", crate::read::dust::name(dust.drag));
     match dust.drag {
-        DustDrag::None => text.text("law", "none"),
-        DustDrag::Epstein => text.text("law", "epstein"),
-        DustDrag::ConstantStoppingTime(time) => {
-            text.text("law", "constant-stopping-time");
-            text.number("stopping_time", time);
-        }
-        DustDrag::ConstantStokesNumber(stokes) => {
-            text.text("law", "constant-stokes-number");
-            text.number("stokes_number", stokes);
-        }
+        DustDrag::ConstantStoppingTime(time) => text.number("stopping_time", time),
+        DustDrag::ConstantStokesNumber(stokes) => text.number("stokes_number", stokes),
+        DustDrag::Quadratic(coefficient) => text.number("coefficient", coefficient),
+        _ => {}
     }
 }
