@@ -5,6 +5,7 @@ mod coupled {
     mod conservation;
     mod economy;
     mod reproducible;
+    mod splitting;
 }
 mod dust {
     mod clumps;

@@ -12,6 +12,7 @@ pub mod gradients;
 pub mod hydro;
 pub mod kernel;
 mod lanes;
+pub mod lean;
 mod leaves;
 mod neighbours;
 pub mod particles;

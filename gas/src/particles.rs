@@ -107,6 +107,14 @@ columns! {
         du_close: Real = Label::checkpoint("ClosingHeat", Dimension::SPECIFIC_ENERGY, "change of internal energy that closes steps"),
         /// change of internal energy that opens steps
         du_open: Real = Label::checkpoint("OpeningHeat", Dimension::SPECIFIC_ENERGY, "change of internal energy that opens steps"),
+        /// change of velocity by the drag whose step has begun
+        drag_dv: Vector = Label::checkpoint("DragImpulses", Dimension::VELOCITY, "change of velocity by the drag that has begun").optional(),
+        /// change of internal energy by it
+        drag_du: Real = Label::checkpoint("DragHeats", Dimension::SPECIFIC_ENERGY, "change of internal energy by the drag that has begun").optional(),
+        /// time at which it began
+        drag_since: Real = Label::checkpoint("DragBegins", Dimension::TIME, "time at which the drag began").optional(),
+        /// half of its step
+        drag_half: Real = Label::checkpoint("DragHalves", Dimension::TIME, "half of the drag's step").optional(),
         /// length of the step that begins now, in ticks
         next_span: Short = Label::checkpoint("NextSpans", Dimension::NONE, "length of the step that begins now in ticks"),
         /// length of the step of the field that begins now, in ticks
@@ -149,6 +157,8 @@ pub struct Gas {
     pub(crate) curve: Curve,
     /// The cube that the curve was counted in.
     pub(crate) cube: Option<Cube>,
+    /// What predictions are while gas leans.
+    pub(crate) upright: (Vec<Vec3>, Vec<f64>),
     scratch: Scratch,
 }
 

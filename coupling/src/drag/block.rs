@@ -31,7 +31,7 @@ struct Turn {
 
 #[derive(Clone, Debug, Default)]
 pub struct Block {
-    rows: Vec<Row>,
+    pub(super) rows: Vec<Row>,
     /// first pair of each row, and the end
     start: Vec<u32>,
     slot: Vec<u32>,
@@ -44,12 +44,16 @@ pub struct Block {
     pub place: Vec<u32>,
     /// sums over the pairs of each slot
     pub partial: Vec<Parcel>,
+    /// sums of the rows while they come to agree
+    pub(super) lack: [f64; 3],
+    /// mean of the half steps of the rows
+    pub half: f64,
     /// velocity and acceleration of each slot
     field: Vec<[f64; 8]>,
 }
 
 /// Three columns from `first` on.
-fn vector(columns: &[f64], first: usize) -> Vec3 {
+pub(super) fn vector(columns: &[f64], first: usize) -> Vec3 {
     Vec3::new(columns[first], columns[first + 1], columns[first + 2])
 }
 
@@ -193,7 +197,7 @@ impl Block {
     }
 
     /// Fields of the slots, at a row: vectors in the first three of each four columns.
-    fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
+    pub(super) fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
         let mut sum = [0.0; N];
         for (slot, w) in self.pairs(row) {
             let value = &field[slot];
@@ -268,6 +272,7 @@ impl Block {
                 .hill()
                 .map_or_else(Vec3::zeros, |hill| hill.turning(w))
         };
+        self.half = steps.iter().sum::<f64>() / steps.len() as f64;
         self.field.clear();
         self.field.extend(self.gas.iter().map(|&j| {
             let j = j as usize;
@@ -298,13 +303,23 @@ impl Block {
 
     /// Spreads the reaction to each row's change, and its heat, over the slots.
     pub fn spread_impulse(&mut self) {
+        self.spread(|row| (-row.m * row.dv, row.heat()));
+    }
+
+    /// Spreads the reaction to what each row expects of the other half of its step.
+    pub fn spread_coming(&mut self) {
+        self.spread(|row| (-row.m * row.coming, row.coming_heat));
+    }
+
+    /// Spreads an impulse and a heat of each row over the slots.
+    pub(super) fn spread(&mut self, of: impl Fn(&Row) -> (Vec3, f64)) {
         self.partial.clear();
         self.partial.resize(self.gas.len(), [0.0; 4]);
         for k in 0..self.rows.len() {
             let row = self.rows[k];
             let range = self.start[k] as usize..self.start[k + 1] as usize;
-            let reaction = -row.m * row.dv;
-            let [x, y, z, q] = parcel(reaction, row.heat());
+            let (reaction, heat) = of(&row);
+            let [x, y, z, q] = parcel(reaction, heat);
             for (&slot, w) in self.slot[range.clone()].iter().zip(&self.weight[range]) {
                 let part = &mut self.partial[slot as usize];
                 part[0] += w * x;
@@ -332,11 +347,16 @@ impl Block {
         }
     }
 
-    /// Makes up for what the gas did beyond -eps dv.
-    pub fn refine(&mut self, touched: &super::Touched) {
+    /// Takes over what the gas has gained.
+    pub(super) fn hear_of(&mut self, touched: &super::Touched) {
         for (part, &place) in self.partial.iter_mut().zip(&self.place) {
             *part = touched.sums[place as usize];
         }
+    }
+
+    /// Makes up for what the gas did beyond -eps dv.
+    pub fn refine(&mut self, touched: &super::Touched) {
+        self.hear_of(touched);
         for k in 0..self.rows.len() {
             let gained = vector(&self.seen(k, &self.partial), 0);
             let row = &mut self.rows[k];

@@ -23,6 +23,15 @@ pub struct Row {
     pub t_stop: f64,
     /// change of its velocity
     pub dv: Vec3,
+    /// change and heat to be expected of the other half, if this one opens a step
+    pub coming: Vec3,
+    pub coming_heat: f64,
+    /// that change as if the gas answered with -eps times it
+    pub alone: Vec3,
+    /// what the change lacks of agreement with the other rows', the direction in which that is sought, and what comes of it
+    pub lack: Vec3,
+    pub search: Vec3,
+    pub image: Vec3,
     /// its change per velocity that the gas is found to have gained beyond -eps dv
     pub share: f64,
     /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
@@ -62,8 +71,20 @@ impl Row {
             // Half of what the kick leaves at the end stands for its effect on the stopping time.
             x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
         }
-        self.dv = change(x, start, kick) / load;
+        self.alone = change(x, start, kick) / load;
+        self.dv = self.alone;
         self.share = lag(x) / load;
+        if half == Half::Opening {
+            // The other half goes on from here, by the same kick.
+            let next = start + kick + change(x, start, kick);
+            let x = if law.is_linear() {
+                x
+            } else {
+                depth(next.norm())
+            };
+            self.coming = change(x, next, kick) / load;
+            self.coming_heat = -self.m * self.coming.dot(&(next + 0.5 * (kick + self.coming)));
+        }
         self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
     }
 

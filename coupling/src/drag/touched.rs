@@ -1,6 +1,7 @@
 //! Touched gas: the gas particles that have pairs, and the sums over the blocks that they are in.
 
 use gas::Gas;
+use gas::lean::Coming;
 use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
@@ -80,6 +81,27 @@ impl Touched {
             });
     }
 
+    /// Lets the gas know what it is to receive at the ends of steps that begin at `time`.
+    pub fn expect(&self, gas: &mut Gas, blocks: &[Block], heat_share: f64, time: f64) {
+        gas.expect_drag();
+        for (t, (&j, &[x, y, z, heat])) in self.gas.iter().zip(&self.sums).enumerate() {
+            let entries = &self.entries[self.start[t] as usize..self.start[t + 1] as usize];
+            let halves = entries
+                .iter()
+                .map(|&(block, _)| blocks[block as usize].half);
+            let dv = Vec3::new(x, y, z);
+            gas.expect_impulse(
+                j as usize,
+                time,
+                Coming {
+                    dv,
+                    du: heat_share * (heat - 0.5 * dv.norm_squared()),
+                    half: halves.sum::<f64>() / entries.len() as f64,
+                },
+            );
+        }
+    }
+
     /// Gives the gas its change of velocity and its heat.
     pub fn push(
         &self,
@@ -88,9 +110,13 @@ impl Touched {
         (domain, half, clock): (&Domain, Half, &Clock),
         booking: &mut Booking,
     ) {
-        let (particles, rates) = (&mut gas.particles, &mut gas.rates);
         for (&j, &[x, y, z, heat]) in self.gas.iter().zip(&self.sums) {
             let (j, dv) = (j as usize, Vec3::new(x, y, z));
+            let foreseen = match half {
+                Half::Closing => gas.has_come(j, clock.time()),
+                Half::Opening => Vec3::zeros(),
+            };
+            let (particles, rates) = (&mut gas.particles, &mut gas.rates);
             let m = particles.m[j];
             // The grains booked their heat as if the gas kept its velocity.
             let heat = heat - 0.5 * dv.norm_squared();
@@ -110,8 +136,8 @@ impl Touched {
             particles.u[j] += heat_share * heat;
             rates.u_pred[j] += heat_share * heat;
             if half == Half::Closing && (clock.synchronous() || particles.end[j] == clock.tick) {
-                // The work of pressure at this tick is that on the velocity between its half steps: both were found before this change.
-                let work = dv.dot(&(rates.dv_close[j] + rates.dv_open[j]));
+                // Pressure has worked on the velocity that was foreseen between its half steps.
+                let work = (dv - foreseen).dot(&(rates.dv_close[j] + rates.dv_open[j]));
                 particles.u[j] -= work;
                 rates.u_pred[j] -= work;
             }

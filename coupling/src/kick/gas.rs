@@ -33,6 +33,7 @@ impl Operator for Density {
             .copied()
             .unwrap_or_else(Vec3::zeros);
         self.hydro.domain = system.domain;
+        system.gas.lean(system.clock.time());
         let targets = system.gas.density(&self.hydro, &system.clock, centre)?;
         meter.count(targets, 0);
         Ok(())
@@ -113,6 +114,7 @@ impl Operator for KickGas {
             &self.pacing.of(system),
         )?;
         let targets = system.gas.forces(&self.hydro, &system.clock, &system.next);
+        system.gas.stand_upright();
         meter.count(targets, 0);
         Ok(())
     }

@@ -4,6 +4,7 @@ mod cost;
 mod dusty_box;
 mod shock;
 mod sod;
+mod streaming;
 mod wave;
 
 use coupling::ledger::Report;
@@ -38,6 +39,12 @@ pub const PROBLEMS: &[Problem] = &[
         "Sod's shock tube in gas and as much dust, rigidly coupled",
         sod::rows,
     ),
+    own(
+        "dust-streaming-a",
+        "growth of the streaming instability's mode linA, up to 32 particles a wavelength (Youdin & Johansen 2007); about 10 minutes",
+        streaming::lin_a,
+    ),
+    own("dust-streaming-b", "the same of linB", streaming::lin_b),
     own(
         "dust-cost",
         "cost of drag for 1e6 superparticles in 1e5 gas particles; about 20 seconds",

@@ -1,0 +1,118 @@
+//! Order of the splitting: with steps that are halved, what a run ends with converges with the square of the step, for each pair of processes.
+//!
+//! No exact answer is needed: the ends y of runs with steps dt, dt/2, dt/4 have |y(dt) - y(dt/2)| / |y(dt/2) - y(dt/4)| = 2^order. In the stiff
+//! regime the stopping time is a thousandth of the longest step.
+
+use nbody::points::Vec3;
+use tridisk::trial::Trial;
+
+/// A wave of gas through which grains move, all with one step.
+const WAVE: &str = r#"
+[run]
+end_time = 10.0
+[units]
+system = "dimensionless"
+[domain]
+kind = "periodic"
+size = [1.0, 1.0, 1.0]
+dimensions = 2
+[[gas.block]]
+lo = [0, 0, 0]
+hi = [1, 1, 1]
+spacing = 0.0625
+density = 1.0
+pressure = 0.6
+[gas.eos]
+kind = "ideal"
+gamma = 1.6666666666666667
+[gas.hydro]
+tolerance = 1e-11
+[gas.viscosity]
+kind = "none"
+[[dust.block]]
+lo = [0, 0, 0]
+hi = [1, 1, 1]
+spacing = 0.08333333333333333
+density = 0.5
+velocity = [0.1, 0.3, 0.0]
+[dust.drag]
+law = "constant-stopping-time"
+stopping_time = 0.3
+"#;
+
+const STEP: f64 = 0.016;
+const END: f64 = 0.192;
+
+/// Positions and velocities of all gas and dust at the end of a run with steps of `step`.
+fn end(scene: &str, more: &[&str], step: f64) -> Vec<Vec3> {
+    let mut overrides: Vec<String> = more.iter().map(|&o| o.to_owned()).collect();
+    overrides.push(format!("run.time_step={step}"));
+    let mut trial = Trial::new(scene, &overrides, |gas| {
+        for (v, x) in gas.v.iter_mut().zip(&gas.x) {
+            v.x += 0.1 * (std::f64::consts::TAU * x.x).sin();
+            v.y += 0.05 * (std::f64::consts::TAU * (x.x + x.y)).cos();
+        }
+    })
+    .expect("a scene");
+    let mut found = Vec::new();
+    let done = trial.run(&[0.0, END], |stop| {
+        found.clear();
+        let (gas, dust) = (&stop.system.gas.particles, &stop.system.dust.particles);
+        for (id, x, v) in [(&gas.id, &gas.x, &gas.v), (&dust.id, &dust.x, &dust.v)] {
+            let mut order: Vec<usize> = (0..id.len()).collect();
+            order.sort_by_key(|&i| id[i]);
+            found.extend(order.iter().flat_map(|&i| [x[i], v[i]]));
+        }
+        let steps = stop.system.clock.step as f64;
+        assert!(
+            steps == 0.0 || (steps * step / END - 1.0).abs() < 1e-9,
+            "{steps} steps"
+        );
+    });
+    done.expect("a run");
+    found
+}
+
+fn order(scene: &str, more: &[&str]) -> f64 {
+    let ends = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0].map(|part| end(scene, more, STEP / part));
+    let distance = |a: &[Vec3], b: &[Vec3]| {
+        let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
+        (sum / a.len() as f64).sqrt()
+    };
+    let (coarse, fine) = (distance(&ends[0], &ends[1]), distance(&ends[1], &ends[2]));
+    let order = (coarse / fine).log2();
+    println!(
+        "{:?}",
+        ends.windows(2)
+            .map(|w| distance(&w[0], &w[1]))
+            .collect::<Vec<_>>()
+    );
+    println!("{more:?}: differences {coarse:.2e}, {fine:.2e}, order {order:.3}");
+    order
+}
+
+#[test]
+fn steps_that_are_halved_leave_a_quarter_of_the_error() {
+    let cases: [(&str, &[&str]); 6] = [
+        ("drag", &[]),
+        ("no feedback", &["coupling.feedback=false"]),
+        (
+            "no feedback",
+            &["coupling.feedback=false", "dust.drag.stopping_time=1.6e-5"],
+        ),
+        ("stiff drag", &["dust.drag.stopping_time=1.6e-5"]),
+        ("loose drag", &["dust.drag.stopping_time=1e6"]),
+        (
+            "drag of much dust",
+            &["dust.block.0.density=10.0", "dust.drag.stopping_time=0.01"],
+        ),
+    ];
+    let mut wrong = Vec::new();
+    for (name, more) in cases {
+        let order = order(WAVE, more);
+        if !(1.9..=2.1).contains(&order) {
+            wrong.push(format!("{name}: order {order}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
