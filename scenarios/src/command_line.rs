@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
-use crate::{info, memory, new, outline, plot, sample, signals, verify};
+use crate::{info, memory, new, outline, plot, sample, signals, trade, units, verify};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -24,6 +24,7 @@ use crate::{info, memory, new, outline, plot, sample, signals, verify};
   tridisk resume runs/disk --end-time \"5 yr\"    go on where a run stopped
   tridisk info runs/disk/snapshot_0003.hdf5     what a file holds
   tridisk plot runs/disk                        pictures of the newest snapshot and the ledger
+  tridisk trade disk.toml --budget \"5 min\"       which settings are worth their price
   tridisk sample runs/disk/snapshot_0003.hdf5 points.txt   gas and its gradients at points
   tridisk verify stirring                       a built-in problem against its published answer
 
@@ -86,6 +87,9 @@ enum Command {
         #[arg(long, value_name = "FILE.hdf5")]
         output: Option<PathBuf>,
     },
+    /// Measure error against cost over settings of a scene, and say which are worth their price
+    #[command(after_help = TRADE_HELP)]
+    Trade(TradeArguments),
     /// Run built-in problems against their exact or published answers and print tables; all of them without a name
     #[command(
         after_help = "Examples:\n  tridisk verify stirring\n  tridisk verify gas --set gas.viscosity.kind=balsara --pictures pictures\n  tridisk verify gas-sod"
@@ -139,6 +143,57 @@ struct ResumeArguments {
     quiet: bool,
 }
 
+const TRADE_HELP: &str = "Each setting is run in a shortened form of the scene, as long as the budget allows, and compared with a reference:
+the tightest value of each knob whose tighter side is known, the scene's own of the others. Without --knob the scene
+as it is and each knob that suits it alone are tried; with --knob all combinations. A call that was interrupted goes
+on where it stopped when it is repeated. A star marks what no cheaper setting matches.
+
+Errors: energy, angular_momentum, momentum, mass (ledger); position, eccentricity, inclination, torque (bodies);
+gas_profile, dust_profile, dust_height (sums over rings by the whole).
+
+Examples:
+  tridisk trade disk.toml --budget \"5 min\"
+  tridisk trade belt.toml --knob planetesimals.integrator=leapfrog,hybrid --knob accuracy.orbit_step=0.2,0.1,0.05
+  tridisk trade belt.toml --knob accuracy.preset=draft,standard,precise --error energy=1e-7 --apply";
+
+#[derive(Args)]
+struct TradeArguments {
+    scene: PathBuf,
+    /// A key of the scene and the values to try; those that suit the scene if not given
+    #[arg(long = "knob", value_name = "KEY.PATH=V1,V2,...")]
+    knobs: Vec<String>,
+    /// Override a key of the scene, with the file's own syntax
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Name the cheapest setting with at most this error; may be given for several metrics
+    #[arg(long = "error", value_name = "METRIC=VALUE", conflicts_with = "within")]
+    errors: Vec<String>,
+    /// Name the cheapest setting with at most this error in all metrics
+    #[arg(long, value_name = "VALUE")]
+    within: Option<f64>,
+    /// Write that setting into the scene's file
+    #[arg(long)]
+    apply: bool,
+    /// Folder for trade.csv, trade.png and the runs; trade/NAME if not given
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// What the settings are compared with
+    #[arg(long, value_name = "KEY.PATH=VALUE,... | auto")]
+    reference: Option<String>,
+    /// Settings to run at a time, each on one thread; as many as there are processors if not given
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// CPU time that all runs together may take
+    #[arg(long, default_value = "10 min", value_name = "TIME")]
+    budget: String,
+    /// Run the scene in its full length and size, whatever that takes
+    #[arg(long, conflicts_with = "budget")]
+    full: bool,
+    /// Say nothing but the table and errors
+    #[arg(long)]
+    quiet: bool,
+}
+
 /// Why a command did not do what it was asked to.
 enum Failure {
     Refused(String),
@@ -171,6 +226,7 @@ pub fn main() -> ExitCode {
     let outcome = match CommandLine::parse().command {
         Command::Run(arguments) => run_scene(arguments),
         Command::Resume(arguments) => resume(arguments),
+        Command::Trade(arguments) => trade_scene(arguments),
         other => {
             signals::end_on_broken_pipe();
             look(other).map(|()| Outcome::Done)
@@ -235,7 +291,9 @@ fn look(command: Command) -> Result<(), Failure> {
             print!("{}", samples.map_err(Failure::Refused)?);
             Ok(())
         }
-        Command::Run(_) | Command::Resume(_) => unreachable!("these two run something"),
+        Command::Run(_) | Command::Resume(_) | Command::Trade(_) => {
+            unreachable!("these run something")
+        }
     }
 }
 
@@ -281,6 +339,39 @@ fn resume(arguments: ResumeArguments) -> Result<Outcome, Failure> {
     use_threads(arguments.threads);
     signals::listen();
     Ok(rayon::scope(|_| run::resume(&options.output, &options))?)
+}
+
+fn trade_scene(arguments: TradeArguments) -> Result<Outcome, Failure> {
+    let budget = match units::seconds(&arguments.budget) {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => seconds,
+        Ok(_) => Err(Failure::Refused(format!(
+            "--budget {}: must be greater than 0",
+            arguments.budget
+        )))?,
+        Err(sentence) => Err(Failure::Refused(format!(
+            "--budget {}: {sentence}",
+            arguments.budget
+        )))?,
+    };
+    let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
+    // What is sampled here costs what it will cost its own process: one thread.
+    use_threads(Some(1));
+    signals::listen();
+    let request = trade::Request {
+        scene: arguments.scene,
+        knobs: arguments.knobs,
+        set: arguments.set,
+        errors: arguments.errors,
+        within: arguments.within,
+        apply: arguments.apply,
+        output: arguments.output,
+        reference: arguments.reference,
+        threads: arguments.threads.map_or(processors, usize::from),
+        budget,
+        full: arguments.full,
+        quiet: arguments.quiet,
+    };
+    Ok(rayon::scope(|_| trade::trade(&request))?)
 }
 
 fn end_time(text: &str, scene: &Scene) -> Result<f64, Failure> {

@@ -551,4 +551,5 @@ pub enum Preset {
     Draft,
     Standard,
     Precise,
+    Reference,
 }
