@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
-use crate::{info, memory, new, outline, plot, sample, signals, trade, units, verify};
+use crate::{info, memory, new, outline, plan, plot, sample, signals, trade, units, verify};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -24,6 +24,7 @@ use crate::{info, memory, new, outline, plot, sample, signals, trade, units, ver
   tridisk resume runs/disk --end-time \"5 yr\"    go on where a run stopped
   tridisk info runs/disk/snapshot_0003.hdf5     what a file holds
   tridisk plot runs/disk                        pictures of the newest snapshot and the ledger
+  tridisk plan disk.toml                        what the run takes and can be trusted with
   tridisk trade disk.toml --budget \"5 min\"       which settings are worth their price
   tridisk sample runs/disk/snapshot_0003.hdf5 points.txt   gas and its gradients at points
   tridisk verify stirring                       a built-in problem against its published answer
@@ -87,6 +88,9 @@ enum Command {
         #[arg(long, value_name = "FILE.hdf5")]
         output: Option<PathBuf>,
     },
+    /// Say what a run takes and what it can be trusted with, before it is run
+    #[command(after_help = PLAN_HELP)]
+    Plan(PlanArguments),
     /// Measure error against cost over settings of a scene, and say which are worth their price
     #[command(after_help = TRADE_HELP)]
     Trade(TradeArguments),
@@ -141,6 +145,53 @@ struct ResumeArguments {
     /// Say nothing but errors
     #[arg(long)]
     quiet: bool,
+}
+
+const PLAN_HELP: &str = "A scene is started and advanced for a moment to see what its steps cost here; a large one is thinned out first.
+Without a scene the numbers of a three-dimensional disk of gas particles are given (Makino 2013).
+
+Examples:
+  tridisk plan disk.toml --set gas.particles=1000000
+  tridisk plan --particles 1e9 --years 1e5
+  tridisk plan --seed-table";
+
+#[derive(Args)]
+struct PlanArguments {
+    #[arg(required_unless_present_any = ["particles", "seed_table"])]
+    scene: Option<PathBuf>,
+    /// Override a key of the scene, with the file's own syntax
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Wall-clock time of the sample
+    #[arg(long, default_value = "3 s", value_name = "TIME")]
+    sample: String,
+    /// Threads to use; all processors if not given
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Number of gas particles, instead of a scene
+    #[arg(long, value_name = "N", conflicts_with = "scene")]
+    particles: Option<f64>,
+    /// Years of the run
+    #[arg(long, default_value_t = 1e6, value_name = "T")]
+    years: f64,
+    /// Operations an update
+    #[arg(long, default_value_t = 1000.0)]
+    operations: f64,
+    /// Distance of neighbours, au; 1e-3 at 1e8 particles and with N^(-1/3) from there if not given
+    #[arg(long, value_name = "AU")]
+    spacing: Option<f64>,
+    /// Sound speed, km/s
+    #[arg(long, default_value_t = 1.0, value_name = "KM_S")]
+    sound_speed: f64,
+    /// Step by the sound crossing time of the spacing
+    #[arg(long, default_value_t = 0.5)]
+    courant: f64,
+    /// Step in days, instead of that
+    #[arg(long, value_name = "DAYS")]
+    step: Option<f64>,
+    /// Print the numbers of the slides beside recomputed ones
+    #[arg(long, conflicts_with_all = ["scene", "particles"])]
+    seed_table: bool,
 }
 
 const TRADE_HELP: &str = "Each setting is run in a shortened form of the scene, as long as the budget allows, and compared with a reference:
@@ -260,6 +311,7 @@ fn look(command: Command) -> Result<(), Failure> {
             print!("{message}");
             Ok(())
         }
+        Command::Plan(arguments) => plan_scene(&arguments),
         Command::Info { path } => {
             print!("{}", info::describe(&path).map_err(Failure::Refused)?);
             Ok(())
@@ -341,18 +393,66 @@ fn resume(arguments: ResumeArguments) -> Result<Outcome, Failure> {
     Ok(rayon::scope(|_| run::resume(&options.output, &options))?)
 }
 
-fn trade_scene(arguments: TradeArguments) -> Result<Outcome, Failure> {
-    let budget = match units::seconds(&arguments.budget) {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => seconds,
-        Ok(_) => Err(Failure::Refused(format!(
-            "--budget {}: must be greater than 0",
-            arguments.budget
-        )))?,
-        Err(sentence) => Err(Failure::Refused(format!(
-            "--budget {}: {sentence}",
-            arguments.budget
-        )))?,
+fn plan_scene(arguments: &PlanArguments) -> Result<(), Failure> {
+    if arguments.seed_table {
+        print!("{}", plan::seed::table());
+        return Ok(());
+    }
+    use_threads(arguments.threads);
+    let Some(scene) = &arguments.scene else {
+        print!("{}", plan::of_number(&particles(arguments)?)?);
+        return Ok(());
     };
+    let seconds = duration("--sample", &arguments.sample)?;
+    let text = rayon::scope(|_| plan::of_scene(scene, &arguments.set, seconds))?;
+    print!("{text}");
+    Ok(())
+}
+
+/// The disk of particles that the arguments describe.
+fn particles(arguments: &PlanArguments) -> Result<plan::seed::Particles, Failure> {
+    let slide = plan::seed::Particles::default();
+    let number = arguments.particles.unwrap_or(slide.number);
+    let by_number = || slide.spacing * (slide.number / number).cbrt();
+    let plan = plan::seed::Particles {
+        number,
+        spacing: arguments.spacing.unwrap_or_else(by_number),
+        sound_speed: arguments.sound_speed,
+        years: arguments.years,
+        operations: arguments.operations,
+        step: arguments.step,
+        courant: arguments.courant,
+    };
+    for (name, value) in [
+        ("--particles", plan.number),
+        ("--spacing", plan.spacing),
+        ("--sound-speed", plan.sound_speed),
+        ("--years", plan.years),
+        ("--operations", plan.operations),
+        ("--step", plan.step.unwrap_or(1.0)),
+        ("--courant", plan.courant),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            let sentence = format!("{name} {value}: must be a finite number greater than 0");
+            return Err(Failure::Refused(sentence));
+        }
+    }
+    Ok(plan)
+}
+
+/// A wall-clock or CPU time in seconds, given as an argument.
+fn duration(name: &str, text: &str) -> Result<f64, Failure> {
+    match units::seconds(text) {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        Ok(_) => Err(Failure::Refused(format!(
+            "{name} {text}: must be a finite time greater than 0"
+        ))),
+        Err(sentence) => Err(Failure::Refused(format!("{name} {text}: {sentence}"))),
+    }
+}
+
+fn trade_scene(arguments: TradeArguments) -> Result<Outcome, Failure> {
+    let budget = duration("--budget", &arguments.budget)?;
     let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
     // What is sampled here costs what it will cost its own process: one thread.
     use_threads(Some(1));

@@ -14,7 +14,7 @@ use nbody::points::{Columns, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
 use crate::run::RunError;
-use crate::scene::{Scene, Snapshots};
+use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::stopwatch::Stopwatch;
 
@@ -342,17 +342,4 @@ impl Probe {
         }
         steps as u64
     }
-}
-
-/// Bytes that a run writes: snapshots and a checkpoint, of `each` bytes of a snapshot and `state` bytes of a checkpoint.
-pub fn disk(scene: &Scene, each: f64, state: f64) -> f64 {
-    let number = match &scene.run.snapshots {
-        Snapshots::None => 0.0,
-        Snapshots::Every(interval) => (scene.run.end_time / interval - 1e-9).ceil() + 1.0,
-        Snapshots::At(times) => {
-            let inside = |t: &&f64| **t > 0.0 && **t < scene.run.end_time;
-            times.iter().filter(inside).count() as f64 + 2.0
-        }
-    };
-    number * each + state
 }

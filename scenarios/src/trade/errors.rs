@@ -167,7 +167,9 @@ impl State {
 
     fn torque(&self, other: &Self) -> Option<Measured> {
         let (mine, theirs) = (self.change()?, other.change()?);
-        (self.planets > 0 && theirs != 0.0).then(|| Measured {
+        let others = |part: usize| self.end.group(part).map_or(0, Particles::len);
+        let torqued = others(0) > 0 || others(1) as u64 > self.planets;
+        (self.planets > 0 && torqued && theirs != 0.0).then(|| Measured {
             error: ((mine - theirs) / theirs).abs(),
             uncertainty: f64::NAN,
         })

@@ -6,6 +6,9 @@ use std::path::Path;
 use super::errors::{Errors, METRICS};
 use super::settings::Setting;
 
+/// Errors below this are rounding: none is better than another.
+const ROUNDING: f64 = 1e-12;
+
 /// What a setting's run gave.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
@@ -87,6 +90,9 @@ impl Table {
     /// Settings than which none is both cheaper and as good, by cost.
     pub fn frontier(&self, metric: &str) -> Vec<usize> {
         let mut points = self.points(metric);
+        points
+            .iter_mut()
+            .for_each(|point| point.2 = point.2.max(ROUNDING));
         points.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)));
         let mut best = f64::INFINITY;
         let better = points.into_iter().filter(|&(_, _, error)| {

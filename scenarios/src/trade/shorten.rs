@@ -7,12 +7,11 @@ use std::f64::consts::TAU;
 
 use super::settings::{Setting, Source};
 use crate::cost;
-use crate::document;
 use crate::run::RunError;
 use crate::scene::{Orbit, Scene};
+use crate::thin::thinned;
+use crate::units::System;
 
-/// Particles of a population below which none are taken away.
-const FEWEST: usize = 1000;
 /// Wall-clock time of a sample, s.
 const MOMENT: f64 = 0.2;
 /// What is spent on samples of each setting rather than of a typical one alone, as a part of the budget.
@@ -55,39 +54,47 @@ pub fn shorten(
         here.overrides.extend(thin.iter().cloned());
         let (lasting, longest) = lasting(&make(&here), budget)?;
         if lasting >= least || !may_thin || attempt == 3 {
-            let end = round(lasting.max(STEPS * longest)).min(whole.run.end_time);
-            return Ok(short(&whole, end, part, thin));
+            return Ok(short(&whole, lasting.max(STEPS * longest), part, thin));
         }
         part *= (lasting / least).powf(0.75).max(0.05);
-        let thinner = thinned(source, &whole, part);
+        let thinner = thinned(&whole, &source.entries(), part);
         if thinner == thin {
-            let end = round(lasting.max(STEPS * longest)).min(whole.run.end_time);
-            return Ok(short(&whole, end, part, thin));
+            return Ok(short(&whole, lasting.max(STEPS * longest), part, thin));
         }
         thin = thinner;
     }
     unreachable!("the last attempt returns")
 }
 
-fn short(whole: &Scene, end: f64, part: f64, thin: Vec<String>) -> Short {
-    let unit = match whole.units.system {
-        crate::units::System::Astronomical => (1.0 / TAU, " yr"),
-        crate::units::System::Dimensionless => (1.0, ""),
-        crate::units::System::Cgs => (1.0, " s"),
+/// The scene in `lasting` units of time, or to its end.
+fn short(whole: &Scene, lasting: f64, part: f64, thin: Vec<String>) -> Short {
+    let (factor, unit) = match whole.units.system {
+        System::Astronomical => (TAU.recip(), " yr"),
+        System::Dimensionless => (1.0, ""),
+        System::Cgs => (1.0, " s"),
     };
-    let shown = |time: f64| format!("{:.4}{}", time * unit.0, unit.1);
+    let end = round(lasting * factor);
+    let cut = end < whole.run.end_time * factor;
     let fewer = if thin.is_empty() {
         String::new()
     } else {
-        format!(", {:.3} of the particles ({})", part, thin.join(", "))
+        format!(", {part:.3} of the particles ({})", thin.join(", "))
     };
-    let sentence = format!(
-        "shortened: {} of {}{fewer}, without snapshots on the way",
-        shown(end),
-        shown(whole.run.end_time)
-    );
+    let all = whole.run.end_time * factor;
+    let sentence = match (cut, thin.is_empty()) {
+        (true, _) => format!("shortened to {end:.6}{unit} of {all:.6}{unit}{fewer}"),
+        (false, false) => format!("shortened: whole time, but{}", &fewer[1..]),
+        (false, true) => "not shortened: the budget lasts to the end".to_owned(),
+    };
     let mut overrides = thin;
-    overrides.push(format!("run.end_time={end:?}"));
+    if cut {
+        let value = if unit.is_empty() {
+            format!("{end:?}")
+        } else {
+            format!("\"{end:?}{unit}\"")
+        };
+        overrides.push(format!("run.end_time={value}"));
+    }
     Short {
         overrides,
         sentence,
@@ -171,33 +178,6 @@ fn orbit(scene: &Scene) -> Option<f64> {
         .map(|p| p.inner_radius);
     let inner = planets.chain(gas).chain(belt).reduce(f64::min)?;
     Some(TAU * (inner.powi(3) / (scene.gravity.constant * star.mass)).sqrt())
-}
-
-/// Overrides that leave a part of the particles that generators make.
-fn thinned(source: &Source, whole: &Scene, part: f64) -> Vec<String> {
-    let fewer = |number: usize| -> Option<usize> {
-        let wanted = (number as f64 * part).round() as usize;
-        (number > FEWEST).then_some(wanted.max(FEWEST))
-    };
-    let mut overrides = Vec::new();
-    if let Some(number) = whole.gas.as_ref().and_then(|gas| fewer(gas.particles)) {
-        overrides.push(format!("gas.particles={number}"));
-    }
-    if let Some(number) = whole.dust.as_ref().and_then(|dust| fewer(dust.particles)) {
-        overrides.push(format!("dust.particles={number}"));
-    }
-    if let Some((bodies, number)) = whole
-        .planetesimals
-        .and_then(|p| Some((p, fewer(p.number)?)))
-    {
-        overrides.push(format!("planetesimals.number={number}"));
-        let each = document::value(&source.entries(), "planetesimals.mass").is_some();
-        if each && bodies.mass > 0.0 {
-            let mass = bodies.mass * bodies.number as f64 / number as f64;
-            overrides.push(format!("planetesimals.mass={mass:?}"));
-        }
-    }
-    overrides
 }
 
 #[cfg(test)]
