@@ -168,6 +168,9 @@ struct PlanArguments {
     /// Threads to use; all processors if not given
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Print the numbers of a scene's plan as JSON
+    #[arg(long, conflicts_with_all = ["particles", "seed_table"])]
+    json: bool,
     /// Number of gas particles, instead of a scene
     #[arg(long, value_name = "N", conflicts_with = "scene")]
     particles: Option<f64>,
@@ -404,7 +407,11 @@ fn plan_scene(arguments: &PlanArguments) -> Result<(), Failure> {
         return Ok(());
     };
     let seconds = duration("--sample", &arguments.sample)?;
-    let text = rayon::scope(|_| plan::of_scene(scene, &arguments.set, seconds))?;
+    let say = match arguments.json {
+        true => plan::numbers,
+        false => plan::of_scene,
+    };
+    let text = rayon::scope(|_| say(scene, &arguments.set, seconds))?;
     print!("{text}");
     Ok(())
 }

@@ -13,7 +13,7 @@ use cpu_time::ProcessTime;
 use nbody::points::{Columns, clock::TICKS};
 
 use crate::assemble::{self, Assembly};
-use crate::run::RunError;
+use crate::run::{REPORTS, RunError};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
 use crate::stopwatch::Stopwatch;
@@ -23,7 +23,7 @@ use crate::stopwatch::Stopwatch;
 pub struct Cost {
     /// CPU time a unit of time, s.
     pub rate: f64,
-    /// CPU time of placing the particles, s.
+    /// CPU time of placing the particles and of their first forces, s.
     pub start_s: f64,
     /// CPU time of a report, s.
     pub report_s: f64,
@@ -47,6 +47,15 @@ impl Cost {
     /// CPU time of the whole run, s.
     pub fn cpu_s(&self) -> f64 {
         self.start_s + self.rate * self.end + self.report_s * self.reports
+    }
+
+    /// The longest base step that the run does.
+    pub fn base_step(&self) -> f64 {
+        match self.longest.is_finite() {
+            true => self.longest.min(self.end),
+            // Reports alone cut the run.
+            false => self.end / REPORTS,
+        }
     }
 
     pub fn wall_s(&self) -> f64 {
@@ -137,6 +146,8 @@ struct Probe {
     /// Updates of gas, dust and bodies, and ticks, in the base step that opened last.
     updates: [f64; 3],
     ticks: f64,
+    /// Its length.
+    base: f64,
     first: Option<[f64; 2]>,
 }
 
@@ -153,6 +164,7 @@ impl Probe {
             partial: Ticks::default(),
             updates: [0.0; 3],
             ticks: 1.0,
+            base: 1.0,
             first: None,
         }
     }
@@ -170,7 +182,8 @@ impl Probe {
             self.system.reporting = report;
             let active = self.active();
             self.close(now, report)?;
-            if synchronous {
+            // What follows the end of the run is never done.
+            if synchronous && (!over || self.marks.is_empty()) {
                 self.chosen();
             }
             if over && (synchronous || !self.marks.is_empty() && self.partial.count >= 2.0) {
@@ -239,6 +252,7 @@ impl Probe {
         ];
         self.ticks = f64::from(TICKS / shortest);
         let base = system.next.end - system.next.start;
+        self.base = base;
         if self.first.is_none() && longest > 0 {
             let part = |span: u32| base * f64::from(span) / f64::from(TICKS);
             self.first = Some([part(shortest), part(longest)]);
@@ -271,7 +285,7 @@ impl Probe {
         } else {
             0.0
         };
-        let base = (self.system.next.end - self.system.next.start).abs();
+        let base = self.base;
         let rate = match self.marks[..] {
             // The first base step warms caches and finds smoothing lengths.
             [_, from, .., to] => (to.cpu - from.cpu) / (to.time - from.time),
@@ -290,6 +304,7 @@ impl Probe {
             _ => 1.0 / rayon::current_num_threads() as f64,
         };
         let end = scene.run.end_time;
+        let start_s = start_s + first.map_or(0.0, |first| first.cpu);
         Cost {
             rate: (rate - report_s * reports_within).max(0.0),
             start_s,
@@ -326,6 +341,9 @@ impl Probe {
             self.partial.active / self.partial.count,
             self.partial.mean(),
         );
+        if few > 0.5 * particles {
+            return some * updates / few;
+        }
         let slope = ((full - some) / (particles - few)).max(0.0);
         let floor = (some - slope * few).max(0.0);
         floor * self.ticks + slope * updates

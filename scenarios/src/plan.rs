@@ -24,9 +24,12 @@ use crate::thin::thinned;
 /// Particles up to which a scene is started as it is.
 const MOST: f64 = 200_000.0;
 /// What a program takes by itself, bytes.
-const PROGRAM: f64 = 22e6;
-/// Bytes that a particle of gas, of dust and a body hold, the trees and workspaces with them, by those of their columns.
-const HELD: [f64; 3] = [1.45, 1.6, 1.25];
+const PROGRAM: f64 = 24e6;
+/// Bytes that gas, dust and bodies hold with their trees and workspaces, by those of their columns.
+const HELD: [f64; 3] = [2.1, 2.0, 1.85];
+/// Bytes a gas particle that the tree pulls, and a superparticle with its gas neighbours, hold besides.
+const PULLED: f64 = 700.0;
+const DRAGGED: f64 = 1750.0;
 
 /// What a run takes.
 pub struct Plan {
@@ -61,13 +64,7 @@ impl Plan {
         let sampled = cost::sample(&small, seconds)?;
         let (cost, system) = (scaled(sampled.cost, &scene, part), &sampled.system);
         let held = sets(system).map(|sets| sets.iter().map(|set| set.bytes()).sum::<usize>());
-        let memory = PROGRAM
-            + held
-                .iter()
-                .zip(HELD)
-                .map(|(b, f)| *b as f64 * f)
-                .sum::<f64>()
-                / part;
+        let memory = PROGRAM + working(&scene, system, held) / part;
         let state = held.iter().sum::<usize>() as f64 / part;
         let disk = disk(&scene, snapshot_bytes(&scene, system) / part, state);
         let plan = Self {
@@ -110,6 +107,24 @@ fn scaled(cost: Cost, scene: &Scene, part: f64) -> Cost {
         ticks: cost.ticks * steps,
         ..cost
     }
+}
+
+/// Bytes that particles with columns of `held` bytes take at work.
+fn working(scene: &Scene, system: &System, held: [usize; 3]) -> f64 {
+    let columns: f64 = held
+        .iter()
+        .zip(HELD)
+        .map(|(held, by)| *held as f64 * by)
+        .sum();
+    let pulled = match scene.gravity.fluids_pull_gas() {
+        true => PULLED * system.gas.len() as f64,
+        false => 0.0,
+    };
+    let dragged = match scene.coupling.gas_dust {
+        true => DRAGGED * system.dust.len() as f64,
+        false => 0.0,
+    };
+    columns + pulled + dragged
 }
 
 /// Columns of gas, of dust, and of bodies.
@@ -161,7 +176,7 @@ fn snapshots(scene: &Scene) -> f64 {
 
 /// Bytes that a run writes: snapshots of `each`, a checkpoint of `state`, and the layout and tables around them.
 fn disk(scene: &Scene, each: f64, state: f64) -> f64 {
-    const LAYOUT: f64 = 5e4;
+    const LAYOUT: f64 = 3.2e4;
     snapshots(scene) * (each + LAYOUT) + state + 2.0 * LAYOUT
 }
 
@@ -210,13 +225,36 @@ pub fn of_scene(path: &Path, set: &[String], seconds: f64) -> Result<String, Run
     Ok(text)
 }
 
+/// The same for programs, as JSON.
+pub fn numbers(path: &Path, set: &[String], seconds: f64) -> Result<String, RunError> {
+    let (scene, plan) = Plan::of(path, set, seconds)?;
+    let cost = &plan.cost;
+    let [gas, dust, bodies] = cost.updates();
+    let all = serde_json::json!({
+        "steps": cost.steps,
+        "base_step": cost.base_step(),
+        "ticks": cost.ticks,
+        "updates": {"gas": gas, "dust": dust, "bodies": bodies},
+        "cpu_s": cost.cpu_s(),
+        "start_cpu_s": cost.start_s,
+        "report_cpu_s": cost.report_s,
+        "wall_s": cost.wall_s(),
+        "threads": rayon::current_num_threads(),
+        "memory_bytes": plan.memory,
+        "disk_bytes": plan.disk,
+        "snapshots": snapshots(&scene),
+        "sampled_part": plan.part,
+    });
+    Ok(format!("{all:#}\n"))
+}
+
 /// How many steps of what length, and updates by population.
 pub fn steps(cost: &Cost, scene: &Scene, system: &System, part: f64) -> Vec<String> {
     let unit = scene.units.symbol(Dimension::TIME);
     let mut said = vec![format!(
         "steps: {} of at most {:.3e} {unit}, {:.0} ticks each",
         cost.steps,
-        cost.longest.min(cost.end / crate::run::REPORTS),
+        cost.base_step(),
         cost.ticks
     )];
     let numbers = [system.gas.len(), system.dust.len(), system.bodies.len()];
