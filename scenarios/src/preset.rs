@@ -107,4 +107,21 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn what_a_scene_sets_by_hand_stays() {
+        let text = "[run]\nend_time = 1\n[star]\nmass = 1\n[[planet]]\nmass = 0\nsemi_major_axis = 1\n[accuracy]\npreset = \"reference\"\n";
+        let read = |more: &str| {
+            let text = format!("{text}{more}");
+            crate::scene::Scene::parse(&text, "scene", std::path::Path::new("."), &[])
+        };
+        let values = VALUES[3];
+        let scene = read("").expect("a scene");
+        assert_eq!(scene.accuracy.orbit_step, values.orbit_step);
+        let opening = crate::scene::Opening::ForceError(values.force_error);
+        assert_eq!(scene.gravity.opening, opening);
+        let scene = read("orbit_step = 0.3\n").expect("a scene");
+        assert_eq!(scene.accuracy.orbit_step, 0.3);
+        assert_eq!(scene.accuracy.acceleration_step, values.acceleration_step);
+    }
 }

@@ -4,6 +4,8 @@
 //! 2012), with the alpha that the particles have now: a switch may change it. nu = alpha_SS c^2 / Omega, Re = r^2 Omega / nu. A ring has
 //! spread when tau = 12 nu t / r^2 is of order one (Lynden-Bell & Pringle 1974).
 
+use std::f64::consts::TAU;
+
 use coupling::System;
 use nbody::points::Columns;
 
@@ -34,6 +36,13 @@ pub struct Numerical {
     pub reynolds: f64,
     /// 12 nu t / r^2 at the end of the run.
     pub spread: f64,
+}
+
+impl Numerical {
+    /// Orbits after which 12 nu t / r^2 is a tenth.
+    pub fn orbits(&self) -> f64 {
+        0.1 * self.reynolds / (12.0 * TAU)
+    }
 }
 
 /// None without gas that orbits.
@@ -103,9 +112,10 @@ pub fn sentences(scene: &Scene, system: &System) -> Vec<String> {
                     n.alpha, n.nu, n.shakura_sunyaev, n.reynolds
                 ));
                 said.push(format!(
-                    "  12 nu t / r^2 at the end: {:.1e} (a ring spreads at 1)",
-                    n.spread
-                ));
+                    "  12 nu t / r^2 at the end: {:.1e} (a ring spreads at 1); a tenth of that after {:.0} orbits",
+ n.spread,
+ n.orbits()
+));
             }
             None => said.push(
                 "numerical viscosity: none on pure shear by this kind; noise is not estimated"

@@ -11,15 +11,9 @@ use std::path::Path;
 use nbody::orbit::Elements;
 use nbody::points::Vec3;
 
+use super::jackknife::{Measured, PARTS, jackknife, root_mean};
 use crate::history::read_numbers;
 use crate::snapshot::{self, Contents, Particles};
-
-/// An error with its uncertainty; not a number where that is not known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    pub error: f64,
-    pub uncertainty: f64,
-}
 
 /// What can be measured, in the order of tables.
 pub const METRICS: [&str; 11] = [
@@ -37,9 +31,6 @@ pub const METRICS: [&str; 11] = [
 ];
 
 pub type Errors = BTreeMap<&'static str, Measured>;
-
-/// Rings of a profile and groups of a jackknife.
-const PARTS: usize = 20;
 
 /// The end of a run, and its start.
 pub struct State {
@@ -83,7 +74,11 @@ impl State {
             (groups.0.len() > 0 && groups.1.len() > 0).then_some(groups)
         };
         if let Some((mine, theirs)) = pair(1) {
-            add("position", self.positions(reference, mine, theirs));
+            // Bodies of one identity are the same where there are as many.
+            let number = |state: &Self| state.start.group(1).map_or(0, Particles::len);
+            if number(self) == number(reference) {
+                add("position", self.positions(reference, mine, theirs));
+            }
             if let [Some(mine), Some(theirs)] = [self.shapes(mine), reference.shapes(theirs)] {
                 add("eccentricity", root_mean(&mine, &theirs, 0));
                 add("inclination", root_mean(&mine, &theirs, 1));
@@ -264,64 +259,6 @@ fn edges(places: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Difference of two rms values by the second.
-fn root_mean(mine: &[[f64; 2]], theirs: &[[f64; 2]], k: usize) -> Option<Measured> {
-    let of = |list: &[[f64; 2]]| -> Vec<[f64; 2]> { list.iter().map(|s| [s[k], 1.0]).collect() };
-    let (mine, theirs) = (of(mine), of(theirs));
-    let root = |sums: [f64; 2]| (sums[0] / sums[1]).sqrt();
-    let sums = |list: &[[f64; 2]]| {
-        list.iter()
-            .fold([0.0; 2], |s, x| [s[0] + x[0], s[1] + x[1]])
-    };
-    let wanted = root(sums(&theirs));
-    if wanted == 0.0 || !wanted.is_finite() || mine.is_empty() {
-        return None;
-    }
-    let error = ((root(sums(&mine)) - wanted) / wanted).abs();
-    // The same bodies are in both: what scatters is the difference, which has the pairs' own jackknife.
-    let uncertainty = if mine.len() == theirs.len() {
-        let both: Vec<[f64; 2]> = mine
-            .iter()
-            .zip(&theirs)
-            .map(|(a, b)| [a[0], b[0]])
-            .collect();
-        jackknife(&both, |sums| (sums[0] / sums[1]).sqrt())?.uncertainty
-    } else {
-        f64::NAN
-    };
-    Some(Measured { error, uncertainty })
-}
-
-/// A function of sums over items, and its standard error from leaving out one of at most some groups of them at a time.
-fn jackknife(items: &[[f64; 2]], of: impl Fn([f64; 2]) -> f64) -> Option<Measured> {
-    let groups = items.len().min(PARTS);
-    let mut parts = vec![[0.0; 2]; groups];
-    for (i, item) in items.iter().enumerate() {
-        let part = &mut parts[i % groups];
-        *part = [part[0] + item[0], part[1] + item[1]];
-    }
-    let whole = parts
-        .iter()
-        .fold([0.0; 2], |s, x| [s[0] + x[0], s[1] + x[1]]);
-    let error = of(whole);
-    if !error.is_finite() {
-        return None;
-    }
-    let without: Vec<f64> = parts
-        .iter()
-        .map(|part| of([whole[0] - part[0], whole[1] - part[1]]))
-        .collect();
-    let n = groups as f64;
-    let mean = without.iter().sum::<f64>() / n;
-    let scatter: f64 = without.iter().map(|x| (x - mean).powi(2)).sum();
-    let uncertainty = if groups > 1 {
-        ((n - 1.0) / n * scatter).sqrt()
-    } else {
-        f64::NAN
-    };
-    Some(Measured { error, uncertainty })
-}
-
 /// What the ledger of a run lost.
 pub fn of_ledger(folder: &Path) -> Result<Errors, String> {
     let path = folder.join("ledger.csv");
@@ -347,30 +284,4 @@ pub fn of_ledger(folder: &Path) -> Result<Errors, String> {
         errors.insert(name, measured);
     }
     Ok(errors)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_jackknife_of_a_mean_is_its_standard_error() {
-        let items: Vec<[f64; 2]> = (0..PARTS).map(|i| [(i as f64).sin(), 1.0]).collect();
-        let measured = jackknife(&items, |sums| sums[0] / sums[1]).expect("a mean");
-        let n = PARTS as f64;
-        let mean = items.iter().map(|x| x[0]).sum::<f64>() / n;
-        let square: f64 = items.iter().map(|x| (x[0] - mean).powi(2)).sum();
-        let wanted = (square / (n * (n - 1.0))).sqrt();
-        assert!((measured.error - mean).abs() < 1e-14);
-        assert!((measured.uncertainty / wanted - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn rms_values_differ_by_their_part() {
-        let shapes = |e: f64| vec![[e * e, 0.0]; 3];
-        let measured = root_mean(&shapes(0.11), &shapes(0.1), 0).expect("an error");
-        assert!((measured.error - 0.1).abs() < 1e-12, "{measured:?}");
-        assert!(measured.uncertainty < 1e-12);
-        assert_eq!(root_mean(&shapes(0.1), &shapes(0.0), 0), None);
-    }
 }

@@ -7,7 +7,7 @@ use super::errors::{Errors, METRICS};
 use super::settings::Setting;
 
 /// Errors below this are rounding: none is better than another.
-const ROUNDING: f64 = 1e-12;
+pub const ROUNDING: f64 = 1e-12;
 
 /// What a setting's run gave.
 #[derive(Clone, Debug, Default)]
@@ -113,14 +113,7 @@ impl Table {
                 })
             })
         };
-        let cost = |i: &usize| {
-            self.rows[*i]
-                .outcome
-                .as_ref()
-                .map_or(f64::INFINITY, |o| o.cpu_s)
-        };
-        let indices = (0..self.rows.len()).filter(|&i| within(&self.rows[i]));
-        indices.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+        self.by_cost().into_iter().find(|&i| within(&self.rows[i]))
     }
 
     /// For programs.
@@ -162,29 +155,34 @@ impl Table {
 
     /// For people: a star marks what is on the frontier of its column.
     pub fn text(&self) -> String {
-        let metrics = self.metrics();
-        let mut cells: Vec<Vec<String>> = vec![self.keys.clone()];
-        cells[0].push("CPU s".to_owned());
-        cells[0].extend(metrics.iter().map(|metric| metric.replace('_', " ")));
-        let fronts: Vec<Vec<usize>> = metrics.iter().map(|m| self.frontier(m)).collect();
-        let mut order: Vec<usize> = (0..self.rows.len()).collect();
-        let cost = |i: &usize| {
-            self.rows[*i]
-                .outcome
-                .as_ref()
-                .map_or(f64::INFINITY, |o| o.cpu_s)
+        let (shown, kept): (Vec<_>, Vec<_>) = self
+            .metrics()
+            .into_iter()
+            .partition(|metric| self.is_lost(metric));
+        // Where each setting sets one key, a column a key would be all but empty.
+        let one = |row: &Row| row.setting.keys.len() <= 1;
+        let alone = self.keys.len() > 1 && self.rows.iter().all(one);
+        let mut head = match alone {
+            true => vec!["setting".to_owned()],
+            false => self.keys.clone(),
         };
-        order.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        head.push("CPU s".to_owned());
+        head.extend(shown.iter().map(|metric| metric.replace('_', " ")));
+        let mut cells = vec![head];
+        let fronts: Vec<Vec<usize>> = shown.iter().map(|m| self.frontier(m)).collect();
         let mut failures = String::new();
-        for i in order {
+        for i in self.by_cost() {
             let row = &self.rows[i];
-            let mut line = row.values.clone();
+            let words = row.setting.words();
+            let mut line = match alone {
+                true => vec![words],
+                false => row.values.clone(),
+            };
             match &row.outcome {
                 Ok(outcome) => {
                     line.push(format!("{:.3}", outcome.cpu_s));
-                    for (metric, front) in metrics.iter().zip(&fronts) {
-                        line.push(cell(outcome, metric, front.contains(&i)));
-                    }
+                    let columns = shown.iter().zip(&fronts);
+                    line.extend(columns.map(|(m, front)| cell(outcome, m, front.contains(&i))));
                     cells.push(line);
                 }
                 Err(sentence) => {
@@ -193,7 +191,62 @@ impl Table {
                 }
             }
         }
-        aligned(&cells) + &failures
+        let mut text = aligned(&cells) + &failures;
+        if !kept.is_empty() {
+            let names = kept.join(", ").replace('_', " ");
+            text += &format!("kept to rounding by all: {names}\n");
+        }
+        text
+    }
+
+    /// Whether any setting errs by more than rounding.
+    fn is_lost(&self, metric: &str) -> bool {
+        self.points(metric).iter().any(|point| point.2 > ROUNDING)
+    }
+
+    fn by_cost(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.rows.len()).collect();
+        order.sort_by(|&a, &b| self.cost(a).total_cmp(&self.cost(b)));
+        order
+    }
+
+    /// CPU time of a setting; infinite if it failed.
+    fn cost(&self, i: usize) -> f64 {
+        let outcome = self.rows[i].outcome.as_ref();
+        outcome.map_or(f64::INFINITY, |outcome| outcome.cpu_s)
+    }
+
+    /// Settings that are cheaper than the scene as it is and in no metric worse than it by more than the uncertainties of both, with the
+    /// parts of the cost that they save; those of more than what times of one machine scatter.
+    pub fn bargains(&self) -> Vec<(usize, f64)> {
+        const SCATTER: f64 = 0.1;
+        let own = self.rows.iter().position(|row| row.setting.keys.is_empty());
+        let Some((own, Ok(base))) = own.map(|own| (own, &self.rows[own].outcome)) else {
+            return Vec::new();
+        };
+        let as_good = |i: usize| {
+            let Ok(outcome) = &self.rows[i].outcome else {
+                return false;
+            };
+            base.errors.iter().all(|(metric, theirs)| {
+                let Some(mine) = outcome.errors.get(metric) else {
+                    return false;
+                };
+                let both = [mine.uncertainty, theirs.uncertainty];
+                let slack = both
+                    .iter()
+                    .filter(|x| x.is_finite())
+                    .map(|x| x * x)
+                    .sum::<f64>();
+                mine.error <= ROUNDING.max(1.05 * theirs.error + slack.sqrt())
+            })
+        };
+        let saved = |i: usize| 1.0 - self.cost(i) / self.cost(own);
+        let cheaper = self.by_cost().into_iter().filter(|&i| saved(i) > SCATTER);
+        cheaper
+            .filter(|&i| as_good(i))
+            .map(|i| (i, saved(i)))
+            .collect()
     }
 }
 
@@ -249,7 +302,7 @@ fn line(cells: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trade::errors::Measured;
+    use crate::trade::jackknife::Measured;
 
     fn row(cpu_s: f64, energy: f64) -> Row {
         let measured = Measured {
