@@ -278,6 +278,30 @@ fn a_setting_that_fails_has_its_sentence_in_its_row() {
     assert!(line.contains("integrator"), "{line}");
 }
 
+#[test]
+fn a_shortened_scene_stays_as_short_when_it_is_traded_again() {
+    let folder = Folder::with(&PLANETS.replace("60 yr", "1e7 yr"));
+    let arguments = [
+        "trade",
+        "scene.toml",
+        "--output",
+        "out",
+        "--budget",
+        "1 s",
+        "--knob",
+        STEPS,
+    ];
+    let (said, _) = words(&folder.tridisk(&arguments));
+    assert!(said.starts_with("shortened to"), "{said}");
+    let table = folder.text("out/trade.csv");
+    // Twice what was asked for, and the noise of times.
+    let spent: f64 = folder.numbers("cpu_s").iter().sum();
+    assert!(spent > 0.1 && spent < 3.0, "{spent} s");
+    let (_, log) = words(&folder.tridisk(&arguments));
+    assert_eq!(log.matches("done before").count(), 4, "{log}");
+    assert_eq!(folder.text("out/trade.csv"), table);
+}
+
 const LONG: [&str; 8] = [
     "trade",
     "scene.toml",

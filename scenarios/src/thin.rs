@@ -32,3 +32,28 @@ pub fn thinned(scene: &Scene, given: &Entries, part: f64) -> Vec<String> {
     }
     overrides
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fewer_planetesimals_weigh_as_much() {
+        let text = "[run]\nend_time = 1\n[star]\nmass = 1\n[planetesimals]\nnumber = 5000\nmass = \"1e-4 Mearth\"\ninner_radius = 1\nouter_radius = 2\n";
+        let read = |more: &[String]| {
+            Scene::parse(text, "scene", std::path::Path::new("."), more).expect("a scene")
+        };
+        let whole = read(&[]);
+        let given = document::parse(text).expect("TOML");
+        let mass = |scene: &Scene| {
+            let bodies = scene.planetesimals.expect("planetesimals");
+            (bodies.number, bodies.number as f64 * bodies.mass)
+        };
+        let overrides = thinned(&whole, &given, 0.3);
+        let (number, sum) = mass(&read(&overrides));
+        assert_eq!(number, 1500);
+        assert!((sum / mass(&whole).1 - 1.0).abs() < 1e-14);
+        // None are left out where there are few.
+        assert_eq!(mass(&read(&thinned(&whole, &given, 1e-3))).0, FEWEST);
+    }
+}

@@ -51,9 +51,8 @@ pub struct Request {
 pub fn trade(request: &Request) -> Result<End, RunError> {
     let limits = limits(request).map_err(RunError::Refused)?;
     let course = Course::of(request)?;
-    let default = || Path::new("trade").join(&course.name);
-    let folder = request.output.clone().unwrap_or_else(default);
-    std::fs::create_dir_all(&folder).map_err(|error| {
+    let folder = &course.folder;
+    std::fs::create_dir_all(folder).map_err(|error| {
         RunError::Refused(format!(
             "the folder {} cannot be used: {error}",
             folder.display()

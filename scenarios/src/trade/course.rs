@@ -1,7 +1,7 @@
 //! The course of a trade: its settings and their reference in a shortened form, their runs, and what these gave.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Request;
@@ -10,7 +10,7 @@ use super::knobs::{self, Knob};
 use super::results::{self, Outcome, Row, Table};
 use super::runs::{self, Ended};
 use super::settings::{self, Setting, Source};
-use super::shorten;
+use super::shorten::{self, Short};
 use crate::document::{self, Entries};
 use crate::progress::Count;
 use crate::run::RunError;
@@ -18,9 +18,10 @@ use crate::scene::Scene;
 
 /// Everything that a trade runs.
 pub struct Course {
-    pub name: String,
     pub title: String,
     pub sentence: String,
+    /// Where all of it is kept.
+    pub folder: PathBuf,
     pub keys: Vec<String>,
     pub own: Entries,
     pub reference: Setting,
@@ -54,8 +55,10 @@ impl Course {
         let reference =
             settings::reference(&source, &knobs, &given, &scene).map_err(RunError::Refused)?;
         source.overrides.extend(shorten::quiet());
-        let sentence = if request.full {
-            "not shortened".to_owned()
+        let default = || Path::new("trade").join(&scene.name);
+        let folder = request.output.clone().unwrap_or_else(default);
+        let short = if request.full {
+            Short::default()
         } else {
             let make = |source: &Source| {
                 let mut all = vec![source.setting(reference.keys.clone())];
@@ -64,17 +67,22 @@ impl Course {
             };
             let sized = ["gas.particles", "dust.particles", "planetesimals.number"];
             let may_thin = knobs.iter().all(|knob| !sized.contains(&knob.key.as_str()));
-            let short = shorten::shorten(&source, make, request.budget, may_thin)?;
-            source.overrides.extend(short.overrides);
-            short.sentence
+            let of = format!(
+                "{source:?} {points:?} {:?} {}",
+                reference.keys, request.budget
+            );
+            shorten::remembered(&folder, &of, || {
+                shorten::shorten(&source, make, request.budget, may_thin)
+            })?
         };
+        source.overrides.extend(short.overrides);
         let left = |key: &String| reference.keys.iter().all(|(known, _)| known != key);
         let keys: Vec<String> = knobs.into_iter().map(|knob| knob.key).collect();
         Ok(Self {
             aside: keys.iter().filter(|key| left(key)).cloned().collect(),
-            name: scene.name.clone(),
             title: scene.title.clone(),
-            sentence,
+            sentence: short.sentence,
+            folder,
             keys,
             own,
             reference: source.setting(reference.keys),

@@ -46,7 +46,7 @@ pub fn pairs(argument: &str) -> Result<Vec<(String, String)>, String> {
     let mut found: Vec<(String, String)> = Vec::new();
     for part in split(argument) {
         match (pair(&part), found.last_mut()) {
-            (Ok((key, value)), _) => found.push((key, value.to_owned())),
+            (Ok((key, value)), _) => found.push((key, value.trim_matches('"').to_owned())),
             (Err(sentence), _) => return Err(format!("--reference {sentence}")),
         }
     }

@@ -4,11 +4,14 @@
 //! would not last an orbit at its inner edge otherwise; a CPU time ~ N^(4/3) says by how much.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use super::settings::{Setting, Source};
+use crate::atomic::publish_bytes;
 use crate::cost;
 use crate::run::RunError;
 use crate::scene::{Orbit, Scene};
+use crate::signals;
 use crate::thin::thinned;
 use crate::units::System;
 
@@ -20,10 +23,54 @@ const SAMPLES: f64 = 0.05;
 const STEPS: f64 = 3.0;
 
 /// What has been done to a scene to make it short.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Short {
     /// As of `--set`.
     pub overrides: Vec<String>,
     pub sentence: String,
+}
+
+impl Default for Short {
+    /// Nothing.
+    fn default() -> Self {
+        Self {
+            overrides: Vec::new(),
+            sentence: "not shortened".to_owned(),
+        }
+    }
+}
+
+/// What a folder remembers of an earlier call that traded the same, so that its runs are found again; else what is made now.
+pub fn remembered(
+    folder: &Path,
+    of: &str,
+    make: impl FnOnce() -> Result<Short, RunError>,
+) -> Result<Short, RunError> {
+    let file = folder.join("shortened.json");
+    let known = std::fs::read_to_string(&file).ok();
+    let known = known.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
+    if let Some(known) = known.filter(|known| known["of"] == of) {
+        let list = known["overrides"].as_array().into_iter().flatten();
+        return Ok(Short {
+            overrides: list.filter_map(|x| x.as_str().map(str::to_owned)).collect(),
+            sentence: known["sentence"].as_str().unwrap_or_default().to_owned(),
+        });
+    }
+    let short = make()?;
+    if signals::caught().is_some() {
+        return Ok(short);
+    }
+    let all = serde_json::json!({
+        "of": of,
+        "overrides": short.overrides,
+        "sentence": short.sentence,
+    });
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let place = folder.display();
+        RunError::Refused(format!("the folder {place} cannot be used: {error}"))
+    })?;
+    publish_bytes(&file, format!("{all:#}\n").as_bytes())?;
+    Ok(short)
 }
 
 /// What every setting is run with besides.
@@ -116,7 +163,7 @@ fn lasting(settings: &[Setting], budget: f64) -> Result<(f64, f64), RunError> {
         .chain((1..scenes.len()).filter(|&i| i != middle));
     let mut first_rate = 0.0;
     for i in order.take(scenes.len()) {
-        if sampled >= 2 && spent > SAMPLES * budget {
+        if signals::caught().is_some() || sampled >= 2 && spent > SAMPLES * budget {
             break;
         }
         let began = cpu_time::ProcessTime::now();
