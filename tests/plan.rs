@@ -40,7 +40,7 @@ fn plan(scene: &Path, set: &[String]) -> String {
     program
         .arg("plan")
         .arg(scene)
-        .args(["--json", "--threads", "1", "--sample", "1 s"]);
+        .args(["--json", "--threads", "1", "--sample", "2 s"]);
     for key in set {
         program.args(["--set", key]);
     }
@@ -148,4 +148,28 @@ fn a_thinned_sample_foresees_the_whole() {
     // N log N: 2.12.
     let by = twice / some / 2.12;
     assert!(by > 1.0 / 1.5 && by < 1.5, "{by}");
+}
+
+#[test]
+fn the_slides_stand_beside_what_follows_from_them() {
+    let output = Command::new(env!("CARGO_BIN_EXE_tridisk"))
+        .args(["plan", "--seed-table"])
+        .output()
+        .expect("the program runs");
+    let text = String::from_utf8(output.stdout).expect("text");
+    let line = text.lines().find(|line| line.starts_with("sph_total_ops "));
+    let words: Vec<&str> = line.expect("a line").split_whitespace().collect();
+    assert_eq!(words[1..], ["3.000000e19", "3.652500e19"]);
+    for arguments in [
+        &["plan"][..],
+        &["plan", "--particles", "-1"],
+        &["plan", "none.toml"],
+        &["plan", "--particles", "1e9", "--years", "0"],
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_tridisk"))
+            .args(arguments)
+            .output()
+            .expect("the program runs");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    }
 }

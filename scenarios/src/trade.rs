@@ -77,7 +77,7 @@ pub fn trade(request: &Request) -> Result<End, RunError> {
         );
     }
     publish_bytes(&folder.join("trade.csv"), table.csv().as_bytes())?;
-    if let Some(scene) = course.reference.scene.as_deref().ok() {
+    if let Ok(scene) = course.reference.scene.as_deref() {
         publish_bytes(&folder.join("reference.toml"), scene.to_toml().as_bytes())?;
     }
     println!("{}", folder.join("trade.csv").display());

@@ -162,3 +162,46 @@ fn of_bodies(system: &System) -> Vec<String> {
     }
     said
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DISK: &str = r#"
+[run]
+end_time = "10 yr"
+[star]
+mass = "1 Msun"
+[gas]
+particles = 2000
+[gas.disk]
+surface_density = "1700 g/cm^2"
+inner_radius = "0.9 au"
+outer_radius = "1.1 au"
+[gas.eos]
+kind = "locally-isothermal"
+aspect_ratio = 0.05
+[gas.viscosity]
+kind = "constant"
+alpha = 2.0
+"#;
+
+    #[test]
+    fn the_viscosity_of_pairs_is_that_of_shakura_and_sunyaev_by_the_fineness() {
+        let scene = Scene::parse(DISK, "disk", std::path::Path::new("."), &[]).expect("a scene");
+        let sampled = crate::cost::sample(&scene, 0.0).expect("a start");
+        let gas = of_gas(&scene, &sampled.system).expect("a disk");
+        let n = gas.numerical.expect("a viscosity of pairs");
+        assert_eq!(n.alpha, 2.0);
+        // alpha_SS = 0.1 alpha h / H; one is a mean over the disk, the other its middle.
+        let by = n.shakura_sunyaev / (0.1 * n.alpha * gas.fineness);
+        // Re = r^2 Omega / nu = 1 / (alpha_SS (H / r)^2), the disk being narrow.
+        let reynolds = n.reynolds * n.shakura_sunyaev * 0.05f64.powi(2);
+        // 12 nu t / r^2 with t of ten orbits.
+        let spread = n.spread * n.reynolds / (12.0 * 10.0 * TAU);
+        println!("{by:.3} {reynolds:.3} {spread:.3}");
+        for ratio in [by, reynolds, spread] {
+            assert!((ratio - 1.0).abs() < 0.1, "{by} {reynolds} {spread}");
+        }
+    }
+}

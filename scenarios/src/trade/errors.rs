@@ -71,7 +71,7 @@ impl State {
         };
         let pair = |part: usize| {
             let groups = (self.end.group(part)?, reference.end.group(part)?);
-            (groups.0.len() > 0 && groups.1.len() > 0).then_some(groups)
+            (!groups.0.is_empty() && !groups.1.is_empty()).then_some(groups)
         };
         if let Some((mine, theirs)) = pair(1) {
             // Bodies of one identity are the same where there are as many.
