@@ -148,6 +148,8 @@ struct Probe {
     ticks: f64,
     /// Its length.
     base: f64,
+    /// Updates in all base steps that have opened, and their length.
+    all: ([f64; 3], f64),
     first: Option<[f64; 2]>,
 }
 
@@ -165,6 +167,7 @@ impl Probe {
             updates: [0.0; 3],
             ticks: 1.0,
             base: 1.0,
+            all: ([0.0; 3], 0.0),
             first: None,
         }
     }
@@ -253,6 +256,10 @@ impl Probe {
         self.ticks = f64::from(TICKS / shortest);
         let base = system.next.end - system.next.start;
         self.base = base;
+        self.all.1 += base;
+        for (all, updates) in self.all.0.iter_mut().zip(self.updates) {
+            *all += updates;
+        }
         if self.first.is_none() && longest > 0 {
             let part = |span: u32| base * f64::from(span) / f64::from(TICKS);
             self.first = Some([part(shortest), part(longest)]);
@@ -310,7 +317,7 @@ impl Probe {
             start_s,
             report_s,
             wall,
-            updates: self.updates.map(|updates| updates / base),
+            updates: self.all.0.map(|updates| updates / self.all.1),
             ticks: self.ticks,
             longest: self.system.longest,
             reports: (end / self.schedule.report).ceil(),
