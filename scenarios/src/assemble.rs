@@ -129,6 +129,18 @@ const CHOICES: [(u64, Integrator, &str); 4] = [
     (4, Integrator::Leapfrog, "leapfrog"),
 ];
 
+/// The integrator of an assembled system.
+pub fn chosen(scene: &Scene, system: &System) -> Integrator {
+    let wanted = scene
+        .planetesimals
+        .map_or(Integrator::Auto, |p| p.integrator);
+    let known = CHOICES.iter().find(|choice| choice.0 == system.chosen);
+    match (wanted, known) {
+        (Integrator::Auto, Some(&(_, choice, _))) => choice,
+        _ => wanted,
+    }
+}
+
 /// The integrator that the scene names, or the one that suits it at its start.
 fn integrator(scene: &Scene, system: &mut System, remarks: &mut Vec<String>) -> Integrator {
     let wanted = scene

@@ -1,5 +1,7 @@
 //! The command line: what each command takes, and how the program ends (0 done, 1 failed, 2 refused, 128 + signal interrupted).
 
+mod measure;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,6 +11,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::run::{self, Options, Outcome, RunError};
 use crate::scene::Scene;
 use crate::{info, memory, new, outline, plot, sample, signals, verify};
+use measure::{PLAN_HELP, PlanArguments, TRADE_HELP, TradeArguments, plan_scene, trade_scene};
 
 /// Protoplanetary disks of gas, dust and planetesimals that act on each other.
 #[derive(Parser)]
@@ -24,6 +27,8 @@ use crate::{info, memory, new, outline, plot, sample, signals, verify};
   tridisk resume runs/disk --end-time \"5 yr\"    go on where a run stopped
   tridisk info runs/disk/snapshot_0003.hdf5     what a file holds
   tridisk plot runs/disk                        pictures of the newest snapshot and the ledger
+  tridisk plan disk.toml                        what the run takes and can be trusted with
+  tridisk trade disk.toml --budget \"5 min\"       which settings are worth their price
   tridisk sample runs/disk/snapshot_0003.hdf5 points.txt   gas and its gradients at points
   tridisk verify stirring                       a built-in problem against its published answer
 
@@ -91,6 +96,12 @@ enum Command {
         #[arg(long, value_name = "FILE.hdf5")]
         output: Option<PathBuf>,
     },
+    /// Say what a run takes and what it can be trusted with, before it is run
+    #[command(after_help = PLAN_HELP)]
+    Plan(PlanArguments),
+    /// Measure error against cost over settings of a scene, and say which are worth their price
+    #[command(after_help = TRADE_HELP)]
+    Trade(TradeArguments),
     /// Run built-in problems against their exact or published answers and print tables; all of them without a name
     #[command(
         after_help = "Examples:\n  tridisk verify stirring\n  tridisk verify gas --set gas.viscosity.kind=balsara --pictures pictures\n  tridisk verify gas-sod"
@@ -176,6 +187,7 @@ pub fn main() -> ExitCode {
     let outcome = match CommandLine::parse().command {
         Command::Run(arguments) => run_scene(arguments),
         Command::Resume(arguments) => resume(arguments),
+        Command::Trade(arguments) => trade_scene(arguments),
         other => {
             signals::end_on_broken_pipe();
             look(other).map(|()| Outcome::Done)
@@ -209,6 +221,7 @@ fn look(command: Command) -> Result<(), Failure> {
             print!("{message}");
             Ok(())
         }
+        Command::Plan(arguments) => plan_scene(&arguments),
         Command::Info { path, ledger } => {
             let text = match ledger {
                 true => info::ledger(&path),
@@ -244,7 +257,9 @@ fn look(command: Command) -> Result<(), Failure> {
             print!("{}", samples.map_err(Failure::Refused)?);
             Ok(())
         }
-        Command::Run(_) | Command::Resume(_) => unreachable!("these two run something"),
+        Command::Run(_) | Command::Resume(_) | Command::Trade(_) => {
+            unreachable!("these run something")
+        }
     }
 }
 

@@ -115,6 +115,42 @@ fn override_value(text: &str, place: &Place) -> Value {
     }
 }
 
+/// The value of an override as a scene's text has it.
+pub fn override_text(text: &str) -> String {
+    let text = text.trim();
+    match override_value(text, &Place::Line(0)) {
+        Value::Text(word) => format!("{word:?}"),
+        _ => text.to_owned(),
+    }
+}
+
+/// The value at `key.path`, if there is one.
+pub fn value<'a>(entries: &'a Entries, path: &str) -> Option<&'a Value> {
+    let (step, rest) = match path.split_once('.') {
+        Some((step, rest)) => (step, Some(rest)),
+        None => (path, None),
+    };
+    let (_, node) = entries.iter().find(|(key, _)| key == step)?;
+    inside(&node.value, rest)
+}
+
+fn inside<'a>(at: &'a Value, path: Option<&str>) -> Option<&'a Value> {
+    let Some(path) = path else {
+        return Some(at);
+    };
+    match at {
+        Value::Table(entries) => value(entries, path),
+        Value::List(nodes) => {
+            let (step, rest) = match path.split_once('.') {
+                Some((step, rest)) => (step, Some(rest)),
+                None => (path, None),
+            };
+            inside(&nodes.get(step.parse::<usize>().ok()?)?.value, rest)
+        }
+        _ => None,
+    }
+}
+
 fn insert(entries: &mut Entries, steps: &[&str], node: Node, place: &Place) -> Result<(), String> {
     let found = entries.iter().position(|(key, _)| key == steps[0]);
     let index = found.unwrap_or_else(|| {

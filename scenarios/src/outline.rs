@@ -1,69 +1,54 @@
 //! The outline of a scene: what it models and what not, how large it is, its first steps, and what a run of it is likely to cost.
 //!
-//! The start is really made and the first forces really taken; the cost is the time of that by the number of steps that the particles want.
+//! The start is really made and the scene advanced for a moment, from which its cost follows.
 
 use std::fmt::Write;
-use std::time::Instant;
 
-use coupling::{System, Unmetered};
-use nbody::points::{Columns, Dimension, clock::TICKS};
+use coupling::System;
+use nbody::points::{Columns, Dimension};
 
-use crate::assemble::{self, Assembly};
+use crate::cost;
 use crate::read::gas::{FORMULATIONS, name_of, viscosity_name};
 use crate::run::RunError;
 use crate::scene::{BodyDrag, Collisions, Cooling, CoolingTime, Eos, Gradient, Physical, Scene};
 
+/// Wall-clock time for which a scene is advanced to see what it costs, s.
+const MOMENT: f64 = 0.5;
+
 /// What `check` says of a scene.
 pub fn outline(scene: &Scene) -> Result<String, RunError> {
-    let system = assemble::start(scene).map_err(|refusal| RunError::Refused(refusal.0))?;
-    let populations = populations(&system);
-    let Assembly {
-        mut system,
-        mut splitting,
-        remarks,
-    } = assemble::assembly(scene, system);
-    let mut text = format!("{}\n\nmodelled:\n{populations}", scene.title);
+    let sampled = cost::sample(scene, MOMENT)?;
+    let system = &sampled.system;
+    let mut text = format!("{}\n\nmodelled:\n{}", scene.title, populations(system));
     let mut line =
         |words: String| writeln!(text, "{words}").expect("writing to a string does not fail");
     line(format!(
         "  operators of a step: {}",
-        splitting.names().join(", ")
+        sampled.operators.join(", ")
     ));
-    method(scene)
-        .iter()
-        .for_each(|words| line(format!("  {words}")));
-    remarks
-        .iter()
-        .for_each(|remark| line(format!("  {remark}")));
-    surroundings(scene, &system)
-        .iter()
+    let said = method(scene).into_iter().chain(sampled.remarks.clone());
+    said.chain(surroundings(scene, system))
         .for_each(|words| line(format!("  {words}")));
     line(format!(
         "not modelled: {}",
-        absent(scene, &system).join(", ")
+        absent(scene, system).join(", ")
     ));
     line(format!(
         "memory: {:.1} MB of particles",
-        bytes(&system) as f64 / 1e6
+        bytes(system) as f64 / 1e6
     ));
-    let began = Instant::now();
-    let (end, longest) = (scene.run.end_time, system.longest);
-    splitting.close(&mut system, end, longest, &mut Unmetered)?;
-    let seconds = began.elapsed().as_secs_f64();
-    let base = system.next.end - system.next.start;
-    let steps = Steps::of(&system);
-    if steps.particles > 0.0 {
+    if let Some([shortest, longest]) = sampled.first {
         let unit = scene.units.symbol(Dimension::TIME);
-        let length = |span: u32| base * f64::from(span) / f64::from(TICKS);
         line(format!(
-            "first steps: {:.3e} to {:.3e} {unit}",
-            length(steps.shortest),
-            length(steps.longest)
+            "first steps: {shortest:.3e} to {longest:.3e} {unit}"
         ));
-        let mean = steps.updates / steps.particles * end / base;
+        let cost = &sampled.cost;
+        let particles = system.gas.len() + system.dust.len() + system.bodies.len();
+        let updates: f64 = cost.updates().iter().sum();
         line(format!(
-            "cost: about {mean:.0} steps a particle, {} on this machine now",
-            duration(mean * seconds)
+            "cost: about {:.0} steps a particle, {} on this machine now",
+            updates / particles as f64,
+            duration(cost.wall_s())
         ));
     }
     Ok(text)
@@ -224,7 +209,7 @@ fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
 }
 
 /// What a reader could expect and the scene leaves out.
-fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
+pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
     let gas = !system.gas.is_empty();
     let breaking = scene
         .planetesimals
@@ -316,44 +301,8 @@ fn bytes(system: &System) -> usize {
     sets.iter().map(|set| set.bytes()).sum()
 }
 
-/// The steps that particles want at the start.
-struct Steps {
-    particles: f64,
-    /// Updates of all particles in a base step.
-    updates: f64,
-    shortest: u32,
-    longest: u32,
-}
-
-impl Steps {
-    fn of(system: &System) -> Self {
-        let bodies = std::iter::repeat_n(system.pace.next_span, system.bodies.len());
-        let spans = system
-            .gas
-            .rates
-            .next_span
-            .iter()
-            .chain(&system.dust.rates.next_span)
-            .copied()
-            .chain(bodies);
-        let none = Self {
-            particles: 0.0,
-            updates: 0.0,
-            shortest: TICKS,
-            longest: 0,
-        };
-        spans
-            .filter(|&span| span > 0)
-            .fold(none, |steps, span| Self {
-                particles: steps.particles + 1.0,
-                updates: steps.updates + f64::from(TICKS / span),
-                shortest: steps.shortest.min(span),
-                longest: steps.longest.max(span),
-            })
-    }
-}
-
-fn duration(seconds: f64) -> String {
+/// A time for people.
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{s:.1} s"),
         s if s < 6000.0 => format!("{:.0} min", s / 60.0),

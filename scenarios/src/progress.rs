@@ -92,3 +92,49 @@ impl Drop for Progress {
         }
     }
 }
+
+/// Progress over a number of things that end one by one.
+pub struct Count {
+    bar: Option<ProgressBar>,
+    number: usize,
+    quiet: bool,
+}
+
+impl Count {
+    pub fn new(number: usize, quiet: bool) -> Self {
+        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+            let style =
+                ProgressStyle::with_template("{bar:30} {pos} of {len}  {elapsed}  {eta} left")
+                    .unwrap_or_else(|_| ProgressStyle::default_bar());
+            let bar = ProgressBar::new(number as u64).with_style(style);
+            bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(5));
+            bar.enable_steady_tick(Duration::from_secs(1));
+            bar
+        });
+        Self { bar, number, quiet }
+    }
+
+    /// Tells what has ended as the `done`th.
+    pub fn tell(&self, done: usize, what: &str) {
+        match &self.bar {
+            _ if self.quiet => {}
+            Some(bar) => {
+                bar.println(what);
+                bar.set_position(done as u64);
+            }
+            None => drop(writeln!(
+                std::io::stderr(),
+                "{done} of {}: {what}",
+                self.number
+            )),
+        }
+    }
+}
+
+impl Drop for Count {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

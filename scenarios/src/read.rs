@@ -126,11 +126,6 @@ impl Facts {
             Kind::PRESSURE
         }
     }
-
-    /// The preset's value out of draft, standard and precise.
-    fn by_preset<T: Copy>(&self, values: [T; 3]) -> T {
-        values[self.preset as usize]
-    }
 }
 
 fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {

@@ -122,19 +122,7 @@ impl Run {
             splitting,
             remarks,
         } = assemble::assembly(&scene, system);
-        // Reports come after whole base steps, so that they do not cut them.
-        let (report, base) = (scene.run.end_time / REPORTS, system.longest);
-        let report = if base.is_finite() {
-            (report / base - 1e-9).ceil().max(1.0) * base
-        } else {
-            report
-        };
-        let schedule = Schedule {
-            start: 0.0,
-            end,
-            snapshots: scene.run.snapshots.clone(),
-            report,
-        };
+        let schedule = Schedule::of(&scene, system.longest, end);
         let progress = Progress::new(system.clock.time(), end, scene.units, options.quiet);
         remarks.iter().for_each(|remark| progress.say(remark));
         Self {

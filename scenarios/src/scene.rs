@@ -579,4 +579,5 @@ pub enum Preset {
     Draft,
     Standard,
     Precise,
+    Reference,
 }

@@ -1,6 +1,7 @@
 //! The schedule: at which times a run reports and writes snapshots.
 
-use crate::scene::Snapshots;
+use crate::run::REPORTS;
+use crate::scene::{Scene, Snapshots};
 
 /// Times are told apart to this part of their interval.
 const SLACK: f64 = 1e-9;
@@ -16,6 +17,23 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// That of a scene that runs to `end` in base steps of at most `longest`.
+    pub fn of(scene: &Scene, longest: f64, end: f64) -> Self {
+        // Reports come after whole base steps, so that they do not cut them.
+        let report = scene.run.end_time / REPORTS;
+        let report = if longest.is_finite() {
+            (report / longest - 1e-9).ceil().max(1.0) * longest
+        } else {
+            report
+        };
+        Self {
+            start: 0.0,
+            end,
+            snapshots: scene.run.snapshots.clone(),
+            report,
+        }
+    }
+
     /// The first time after `now` at which something is due; never later than the end, unless that has passed.
     pub fn after(&self, now: f64) -> f64 {
         let report = next_multiple(self.start, self.report, now);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use nbody::points::{Dimension, Domain, Vec3};
 
 use super::absolute;
+use crate::preset::PRESETS;
 use crate::reader::{Door, Range, Section};
 use crate::scene::{Accuracy, Local, Preset, Run, Snapshots, Star, TimeStep};
 use crate::units::{Kind, System, Units};
@@ -220,20 +221,14 @@ pub fn initial_file(root: &Section<'_>, folder: &Path) -> Option<PathBuf> {
 
 pub fn accuracy(root: &Section<'_>) -> Accuracy {
     let section = root.section("accuracy");
-    let presets = [
-        ("draft", Preset::Draft),
-        ("standard", Preset::Standard),
-        ("precise", Preset::Precise),
-    ];
-    let preset = section
-        .choice("preset", &presets, &[])
-        .unwrap_or(Preset::Standard);
+    let preset = section.choice("preset", &PRESETS, &[]);
+    let preset = preset.unwrap_or(Preset::Standard);
     let acceleration = section.number("acceleration_step", Range::POSITIVE);
     let orbit = section.number("orbit_step", Range::POSITIVE);
     section.close();
     Accuracy {
         preset,
-        acceleration_step: acceleration.unwrap_or([0.4, 0.25, 0.15][preset as usize]),
-        orbit_step: orbit.unwrap_or([0.2, 0.1, 0.05][preset as usize]),
+        acceleration_step: acceleration.unwrap_or(preset.values().acceleration_step),
+        orbit_step: orbit.unwrap_or(preset.values().orbit_step),
     }
 }

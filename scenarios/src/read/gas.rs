@@ -329,9 +329,9 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         grad_h: grad_h.unwrap_or(true),
         gradient: gradient.unwrap_or_default(),
         kernel,
-        neighbours: neighbours.unwrap_or_else(|| default_neighbours(kernel, facts)),
-        courant: courant.unwrap_or(facts.by_preset([0.4, 0.25, 0.15])),
-        tolerance: tolerance.unwrap_or(facts.by_preset([1e-3, 1e-4, 1e-6])),
+        neighbours: neighbours.unwrap_or_else(|| facts.preset.neighbours(kernel, facts.dimensions)),
+        courant: courant.unwrap_or(facts.preset.values().courant),
+        tolerance: tolerance.unwrap_or(facts.preset.values().tolerance),
         precision: precision.unwrap_or(Precision::Double),
     }
 }
@@ -402,18 +402,6 @@ pub const KERNELS: [(&str, KernelKind); 5] = [
     ("cubic-spline", KernelKind::CubicSpline),
     ("quintic-spline", KernelKind::QuinticSpline),
 ];
-
-/// The cubic spline pairs above about 60 neighbours in space and 20 in the plane, the quintic above some 200 and 45 (Dehnen & Aly 2012).
-fn default_neighbours(kernel: KernelKind, facts: &Facts) -> f64 {
-    let [plane, space] = match kernel {
-        KernelKind::WendlandC2 => [[16.0, 20.0, 28.0], [50.0, 64.0, 100.0]],
-        KernelKind::WendlandC4 => [[22.0, 30.0, 40.0], [100.0, 140.0, 200.0]],
-        KernelKind::WendlandC6 => [[30.0, 42.0, 60.0], [150.0, 220.0, 400.0]],
-        KernelKind::CubicSpline => [[13.0, 14.0, 16.0], [40.0, 42.0, 55.0]],
-        KernelKind::QuinticSpline => [[19.0, 22.0, 26.0], [70.0, 82.0, 113.0]],
-    };
-    facts.by_preset(if facts.dimensions == 2 { plane } else { space })
-}
 
 fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
     let section = gas.section("viscosity");

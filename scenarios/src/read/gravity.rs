@@ -127,7 +127,7 @@ fn opening(section: &Section<'_>, facts: &Facts) -> Opening {
     section.exclusive("force_error", "opening_angle");
     match angle {
         Some(angle) => Opening::Angle(angle),
-        None => Opening::ForceError(error.unwrap_or(facts.by_preset([1e-2, 1e-3, 1e-4]))),
+        None => Opening::ForceError(error.unwrap_or(facts.preset.values().force_error)),
     }
 }
 

@@ -4,7 +4,7 @@ use nbody::points::Boundary;
 
 use super::text::Text;
 use crate::read::gravity::MASSES;
-use crate::scene::{GravityMethod, Mass, Opening, Preset, Scene, Snapshots};
+use crate::scene::{GravityMethod, Mass, Opening, Scene, Snapshots};
 use crate::units::System;
 
 pub fn frame(text: &mut Text, scene: &Scene) {
@@ -111,14 +111,7 @@ pub fn forces(text: &mut Text, scene: &Scene) {
     text.raw("feedback", scene.coupling.feedback);
     text.number("heat_share", scene.coupling.heat_share);
     text.table("accuracy");
-    text.text(
-        "preset",
-        match scene.accuracy.preset {
-            Preset::Draft => "draft",
-            Preset::Standard => "standard",
-            Preset::Precise => "precise",
-        },
-    );
+    text.text("preset", scene.accuracy.preset.name());
     text.number("acceleration_step", scene.accuracy.acceleration_step);
     text.number("orbit_step", scene.accuracy.orbit_step);
 }
