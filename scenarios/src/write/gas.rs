@@ -200,6 +200,10 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
         text.entry("dust.block");
         write_block(text, block);
     }
+    if dust.turbulence > 0.0 {
+        text.table("dust.turbulence");
+        text.number("alpha", dust.turbulence);
+    }
     text.table("dust.drag");
     match dust.drag {
         DustDrag::None => text.text("law", "none"),
