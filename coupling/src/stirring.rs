@@ -109,7 +109,9 @@ impl Stir {
             let (i, Walk { dx, dv }) = (i as usize, *walk);
             let (m, x, v) = (p.m[i], p.x[i], rates.v_pred[i]);
             gained.momentum += m * dv;
-            gained.angular_momentum += m * ((x + dx).cross(&(v + dv)) - x.cross(&v));
+            // Of the velocity that the ledger counts, which is that of the middle of the step.
+            let counted = p.v[i];
+            gained.angular_momentum += m * (dx.cross(&(counted + dv)) + x.cross(&dv));
             gained.kinetic += m * (dv.dot(&(v + 0.5 * dv)) + climb(star, rates.gravity[i], x, dx));
             p.x[i] += dx;
             p.v[i] += dv;
