@@ -108,14 +108,13 @@ fn a_walk_keeps_the_motion_relative_to_the_orbits_around() {
     };
     let (before, places) = (own(&system), system.dust.particles.x.clone());
     walk(&mut system, 0.1, 1, 0.1);
-    for ((a, b), (x, y)) in before
-        .iter()
-        .zip(own(&system))
-        .zip(places.iter().zip(&system.dust.particles.x))
-    {
+    for (a, b) in before.iter().zip(own(&system)) {
         assert!((a - b).norm() < 1e-15, "{a} {b}");
-        assert!((x - y).norm() > 1e-6);
     }
+    // But for those whose walk would have led out of the disk.
+    let now = &system.dust.particles.x;
+    let moved = places.iter().zip(now).filter(|(x, y)| x != y).count();
+    assert!(moved > 40, "{moved}");
     assert_eq!(system.dust.particles.v, system.dust.rates.v_pred);
 }
 
@@ -154,7 +153,7 @@ fn what_a_walk_changes_is_booked() {
 
 #[test]
 fn walks_depend_on_grain_and_tick_alone() {
-    let end = |threads: usize, order: &dyn Fn(&mut System)| {
+    let end = |threads: usize, order: fn(&mut System)| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().expect("a pool").install(|| {
             let mut system = system(300);
@@ -168,7 +167,7 @@ fn walks_depend_on_grain_and_tick_alone() {
             places
         })
     };
-    let one = end(1, &|_| {});
-    let sorted = end(1, &|system| system.dust.sort());
-    assert!(end(2, &|_| {}) == one && end(7, &|_| {}) == one && sorted == one);
+    let one = end(1, |_| {});
+    let sorted = end(1, |system| system.dust.sort());
+    assert!(end(2, |_| {}) == one && end(7, |_| {}) == one && sorted == one);
 }

@@ -33,6 +33,8 @@ outer_radius = 2.0
 particles = 1
 mass = 1e-12
 size = 1.0
+[accuracy]
+preset = "precise"
 "#;
 
 const H: f64 = 0.01;

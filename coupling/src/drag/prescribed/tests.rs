@@ -29,8 +29,8 @@ const TIES: Ties = Ties {
     star_moves: true,
 };
 
-/// A star that moves, and grains about it at `places`, which begin with the drift of `stokes`.
-fn system(disk: &GasDisk, places: &[Vec3], stokes: f64) -> System {
+/// A star that moves, and grains of mass `m` about it at `places`, which begin with the drift of `stokes`.
+fn system(disk: &GasDisk, places: &[Vec3], stokes: f64, m: f64) -> System {
     let mut system = System::new(Domain::open(), 1.0, 0.0);
     system.star.resize(1);
     system.star.m[0] = 1.0;
@@ -41,7 +41,7 @@ fn system(disk: &GasDisk, places: &[Vec3], stokes: f64) -> System {
     p.resize(places.len());
     for (i, &place) in places.iter().enumerate() {
         let v = disk.drift(place, 1.0, stokes).expect("gas");
-        (p.id[i], p.m[i]) = (i as u64 + 1, 1e-9);
+        (p.id[i], p.m[i]) = (i as u64 + 1, m);
         (p.x[i], p.v[i]) = (system.star.x[0] + place, system.star.v[0] + v);
         (p.grain_radius[i], p.grain_density[i]) = (1.0, 1.0);
     }
@@ -111,7 +111,7 @@ fn grains_drift_as_theory_says_at_any_stopping_time() {
     // 2 eta = -h^2 dlnP/dlnR = h^2 (1 + 7/4); with individual steps of a tenth of 1/Omega, errors are of their square.
     let headwind = 0.5 * 1e-4 * 2.75;
     for stokes in [1e-9, 1e-6, 1e-3, 0.03, 0.3, 1.0, 10.0] {
-        let mut system = system(&THIN, &[Vec3::new(0.6, 0.8, 0.0)], stokes);
+        let mut system = system(&THIN, &[Vec3::new(0.6, 0.8, 0.0)], stokes, 1e-20);
         let law = StoppingLaw::ConstantStokes(stokes);
         let period = 5.0 * std::f64::consts::TAU;
         advance(&mut system, (THIN, law), 0.1, period);
@@ -120,7 +120,7 @@ fn grains_drift_as_theory_says_at_any_stopping_time() {
         let expected = -2.0 * headwind * stokes / (1.0 + stokes * stokes);
         let error = speed / expected - 1.0;
         // Rounding of the distance shows in drifts of 1e-13.
-        let bar = 0.01 + 1e-15 / expected.abs();
+        let bar = 1.5e-3 + 1e-17 / expected.abs();
         println!("St {stokes}: {speed:e}, expected {expected:e}: {error:e}");
         assert!(error.abs() < bar, "{stokes}: {error}");
         let stokes_found = system.dust.derived.stokes[0] / stokes;
@@ -134,7 +134,7 @@ fn the_map_is_of_second_order() {
     let place = [Vec3::new(0.6, 0.8, 0.01)];
     for stokes in [0.1, 1.0] {
         let at = |step: f64| {
-            let mut system = system(&THIN, &place, stokes);
+            let mut system = system(&THIN, &place, stokes, 1e-9);
             system.dust.particles.v[0] += Vec3::new(0.01, 0.02, 0.01);
             system.dust.rates.v_pred[0] = system.dust.particles.v[0];
             let law = StoppingLaw::ConstantStokes(stokes);
@@ -153,10 +153,11 @@ fn the_map_is_of_second_order() {
 fn layers_settle_as_damped_oscillators() {
     let height = 1e-4;
     for stokes in [1e-3, 0.1, 1.0, 10.0] {
-        let mut system = system(&THIN, &[Vec3::new(0.6, 0.8, height)], stokes);
+        let mut system = system(&THIN, &[Vec3::new(0.6, 0.8, height)], stokes, 1e-20);
         let law = StoppingLaw::ConstantStokes(stokes);
         let end = 5.0;
-        advance(&mut system, (THIN, law), 0.1, end);
+        // Leapfrog about a star runs ahead by (Omega dt)^2 / 6.
+        advance(&mut system, (THIN, law), 0.025, end);
         // Released at rest: z'' + z'/St + z = 0.
         let a = 0.5 / stokes;
         let exact = if a > 1.0 {
@@ -170,7 +171,7 @@ fn layers_settle_as_damped_oscillators() {
         };
         let found = from_star(&system, 0).z / height;
         println!("St {stokes}: {found}, exact {exact}");
-        assert!((found - exact).abs() < 5e-3, "{stokes}: {found} {exact}");
+        assert!((found - exact).abs() < 1e-3, "{stokes}: {found} {exact}");
     }
 }
 
@@ -181,7 +182,7 @@ fn what_the_disk_takes_is_booked() {
         ..THIN
     };
     let places = [Vec3::new(0.6, 0.8, 0.02), Vec3::new(-1.5, 0.3, -0.05)];
-    let mut system = system(&thick, &places, 0.3);
+    let mut system = system(&thick, &places, 0.3, 1e-9);
     for v in [&mut system.dust.particles.v, &mut system.dust.rates.v_pred] {
         v[0] += Vec3::new(0.1, 0.2, 0.1);
     }
@@ -205,7 +206,7 @@ fn beyond_the_disk_grains_move_freely() {
         outer_radius: 2.0,
         ..THIN
     };
-    let mut system = system(&THIN, &[Vec3::new(3.0, 0.0, 0.0)], 0.1);
+    let mut system = system(&THIN, &[Vec3::new(3.0, 0.0, 0.0)], 0.1, 1e-9);
     let before = system.dust.particles.v[0];
     let law = StoppingLaw::ConstantStokes(0.1);
     let mut drag = DustInDisk::new(short, law, TIES);
