@@ -8,6 +8,7 @@ mod coupled {
 }
 mod dust {
     mod dusty_box;
+    mod turbulence;
 }
 mod gas {
     mod allocation;

@@ -251,7 +251,7 @@ pub const PROBLEMS: [Problem; 35] = [
     ),
     own(
         "dust-settling",
-        "grains and a layer that settle, in gas that is a formula and among 20 000 gas particles; about 1 minute",
+        "grains and a layer that settle, in gas that is a formula and among 60 000 gas particles; about 1 minute",
         dust_settling::rows,
     ),
     own(

@@ -88,10 +88,10 @@ fn among_particles() -> Row {
         neighbours,
         largest: 0.1,
     };
-    let stops: Vec<f64> = (0..=10).map(|k| f64::from(k) * 0.1 * TAU).collect();
+    let stops: Vec<f64> = (0..=20).map(|k| f64::from(k) * 0.1 * TAU).collect();
     let (mut found, mut exact) = (0.0, 0.0);
     let done = trial.run(&stops, |stop| {
-        if stop.books.time < 0.4 * TAU {
+        if stop.books.time < 0.99 * TAU {
             return;
         }
         let (system, mut probe) = (stop.system, Probe::default());
