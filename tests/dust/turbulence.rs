@@ -121,7 +121,7 @@ feedback = false
 /// z of a Gaussian below which the part `u` lies, by bisection of a sum of its density.
 fn gaussian(u: f64) -> f64 {
     let step = 1e-3;
-    let mut z = -5.0;
+    let mut z = -5.0f64;
     let mut sum = 0.0;
     while sum < u && z < 5.0 {
         sum += step * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
