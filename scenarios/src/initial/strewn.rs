@@ -169,12 +169,17 @@ mod tests {
         assert!(centre.norm() < 5e-3, "{centre}");
         for (x, v) in dust.x.iter().zip(&dust.v) {
             let r = x.xy().norm();
-            let v_k = r.powf(-0.5);
-            let inward = -(x.x * v.x + x.y * v.y) / r / v_k;
-            // 2 eta St/(1 + St^2) with eta = 2.25 h^2/2 up to terms of (z/R)^2.
             let h = DISK.aspect_ratio(r);
-            let expected = 2.25 * h * h * 0.1 / 1.01;
-            assert!((inward / expected - 1.0).abs() < 0.2, "{inward} {expected}");
+            if x.z.abs() > 0.2 * h * r {
+                continue;
+            }
+            let inward = -(x.x * v.x + x.y * v.y) / r.sqrt();
+            // 2 eta St/(1 + St^2) with eta = 2.75 h^2/2, 1.8 % less at 0.2 H.
+            let expected = 2.75 * h * h * 0.1 / 1.01;
+            assert!(
+                (inward / expected - 1.0).abs() < 0.025,
+                "{inward} {expected}"
+            );
         }
     }
 }
