@@ -68,6 +68,10 @@ impl Turbulence {
         dt: f64,
         gauss: Vec3,
     ) -> Vec3 {
+        if self.diffusion(law, sphere, &air.ambient) == 0.0 {
+            // Gas too thin to carry it: D has no logarithm.
+            return Vec3::zeros();
+        }
         let (d, grad_d) = self.diffusion_around(law, sphere, air);
         (d * air.log_rho + grad_d) * dt + (2.0 * d * dt).sqrt() * gauss
     }

@@ -261,12 +261,12 @@ pub const PROBLEMS: [Problem; 35] = [
     ),
     own(
         "dust-settling-diffusion",
-        "layers in balance of settling and turbulent stirring; about 1 minute",
+        "layers in balance of settling and turbulent stirring; about 2 minutes",
         dust_settling_diffusion::rows,
     ),
     own(
         "dust-nsh",
-        "drift of gas and grains of one and of several sizes through each other in a shearing box; about 10 seconds",
+        "drift of gas and grains of one and of several sizes through each other in a shearing box; about 2 seconds",
         dust_nsh::rows,
     ),
     of_scheme(

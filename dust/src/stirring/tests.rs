@@ -158,3 +158,12 @@ fn the_gradient_of_d_is_that_of_its_formula() {
     assert!((found.z / exact - 1.0).abs() < 1e-6, "{} {exact}", found.z);
     assert!(found.x == 0.0 && found.y == 0.0);
 }
+
+#[test]
+fn gas_that_is_next_to_nothing_carries_nobody() {
+    let turbulence = Turbulence { alpha: 0.1 };
+    for z in [30.0, 37.0, 38.5, 40.0] {
+        let walk = turbulence.walk(&StoppingLaw::Epstein, &GRAIN, &air(z, 0.0), 0.1, Vec3::z());
+        assert!(walk.norm() < 1e-100, "{z}: {walk}");
+    }
+}
