@@ -16,6 +16,7 @@ mod booking;
 mod group;
 mod immersed;
 mod operators;
+mod prescribed;
 mod relaxation;
 mod row;
 mod touched;
@@ -29,6 +30,7 @@ pub use booking::{Booking, Change};
 pub use dust::{Ambient, StoppingLaw};
 pub use immersed::{BodiesInGas, Grains, Immersed, Star};
 pub use operators::{BodyDrag, DustDrag};
+pub use prescribed::{DustInDisk, Ties};
 
 use block::{Block, Scratch};
 use touched::Touched;

@@ -14,6 +14,7 @@ pub mod ledger;
 pub mod operator;
 pub mod rearrange;
 pub mod splitting;
+pub mod stirring;
 pub mod system;
 pub mod torques;
 

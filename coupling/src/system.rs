@@ -295,8 +295,9 @@ impl System {
         let centre = figure.first / figure.mass;
         let torque = stray.torque - centre.cross(&stray.impulse);
         let inertia = figure.inertia(centre);
-        // Particles on a line, or a single one, have no rotation that takes up every torque.
-        let turnable = inertia.determinant() > 1e-9 * inertia.trace().powi(3);
+        // Particles on a line, or a single one, have no rotation that takes up every torque; of a single one rounding leaves an inertia.
+        let spread = inertia.trace() > 1e-9 * figure.second.trace();
+        let turnable = spread && inertia.determinant() > 1e-9 * inertia.trace().powi(3);
         let omega = inertia
             .try_inverse()
             .filter(|_| turnable)
@@ -337,3 +338,6 @@ impl System {
             .min(bodies)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,10 @@
 //! Dust: superparticles, each standing for a swarm of equal grains.
 
 pub mod motion;
+pub mod stirring;
 pub mod stopping;
 pub mod superparticles;
 
+pub use stirring::{Air, Turbulence};
 pub use stopping::{Ambient, Molecules, Sphere, StoppingLaw};
 pub use superparticles::{Derived, Dust, Rates, Superparticles};

@@ -4,7 +4,7 @@
 
 use coupling::accretion::{Accretion, Collisions};
 use coupling::cooling::CoolGas;
-use coupling::drag::{BodyDrag, DustDrag};
+use coupling::drag::{BodyDrag, DustDrag, DustInDisk, Ties};
 use coupling::drift::{
     Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
 };
@@ -15,6 +15,7 @@ use coupling::external::{
 use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::rearrange::RearrangeGas;
+use coupling::stirring::{Medium, Stir};
 use coupling::{Operator, Splitting, System};
 use dust::motion::Parts;
 use nbody::gravity as solver;
@@ -314,6 +315,7 @@ fn operators(
             scene.coupling.heat_share,
         )));
     }
+    list.extend(dust_in_disk(scene).filter(|_| dust));
     if let (true, true, Some(p), Some(hydro)) = (
         gas,
         scene.coupling.gas_planetesimals,
@@ -361,6 +363,7 @@ fn operators(
         };
         let reaction = reaction(Mass::Dust, plan.dust);
         list.push(Box::new(KickDust::new(pacing, parts, reaction)));
+        list.extend(stirring(scene, hydro.as_ref().filter(|_| gas)));
     }
     if let Some(hydro) = hydro.filter(|_| gas) {
         list.push(Box::new(KickGas {
@@ -398,6 +401,39 @@ fn operators(
         list.push(Box::new(Collisions::new(law, self_gravity(scene), found)));
     }
     list
+}
+
+/// The drag on dust of gas that is a formula.
+fn dust_in_disk(scene: &Scene) -> Option<Box<dyn Operator>> {
+    let (dust, disk) = (scene.dust.as_ref()?, scene.surroundings.disk.as_ref()?);
+    if !scene.coupling.gas_dust {
+        return None;
+    }
+    let pulls = &scene.gravity.pulls;
+    let movers = [Mass::Planets, Mass::Planetesimals];
+    let ties = Ties {
+        star_pulls: pulls.has(Mass::Star, Mass::Dust),
+        star_moves: movers.iter().any(|&mass| pulls.has(mass, Mass::Star)),
+    };
+    let law = populate::dust_law(scene, dust);
+    Some(Box::new(DustInDisk::new(gas_disk(disk), law, ties)))
+}
+
+/// What stirs the dust, with `hydro` in gas of particles.
+fn stirring(scene: &Scene, hydro: Option<&gas::Hydro>) -> Option<Box<dyn Operator>> {
+    let dust = scene.dust.as_ref()?;
+    if dust.turbulence == 0.0 {
+        return None;
+    }
+    let medium = match &scene.surroundings.disk {
+        Some(disk) => Medium::Disk(gas_disk(disk)),
+        None => Medium::particles(hydro?),
+    };
+    let turbulence = dust::Turbulence {
+        alpha: dust.turbulence,
+    };
+    let law = populate::dust_law(scene, dust);
+    Some(Box::new(Stir::new(turbulence, law, medium, scene.run.seed)))
 }
 
 /// What a shearing box takes over from its disk.

@@ -7,6 +7,7 @@ pub mod glass;
 pub mod grains;
 pub mod lattice;
 pub mod layer;
+pub mod strewn;
 
 use gas::Particles;
 use nbody::points::{Columns, Vec3};

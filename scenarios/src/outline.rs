@@ -194,10 +194,23 @@ fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
                 "  its drag on {number} planetesimals and test particles"
             ));
         }
+        if scene.coupling.gas_dust {
+            let number = system.dust.len();
+            said.push(format!(
+                "  its drag on {number} dust superparticles, without reaction"
+            ));
+        }
         if disk.migration {
             let number = count(&|i| bodies.m[i] > 0.0);
             said.push(format!("  its type-I torques on {number} bodies with mass"));
         }
+    }
+    if let Some(alpha) = scene.dust.as_ref().map(|dust| dust.turbulence)
+        && alpha > 0.0
+    {
+        said.push(format!(
+            "stirring of dust by turbulence of alpha = {alpha}, D = alpha c^2/Omega / (1 + St^2)"
+        ));
     }
     let massless = count(&|i| bodies.m[i] == 0.0);
     if massless > 0 {
@@ -259,6 +272,13 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             "growth and fragmentation of grains",
         ),
         (
+            scene
+                .dust
+                .as_ref()
+                .is_some_and(|dust| dust.turbulence == 0.0),
+            "turbulent stirring of dust",
+        ),
+        (
             !system.bodies.is_empty() && !breaking,
             "fragmentation of bodies",
         ),
@@ -271,7 +291,7 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             "torques of the gas disk on planets",
         ),
         (
-            disk.is_some() && !system.dust.is_empty(),
+            disk.is_some() && !system.dust.is_empty() && !scene.coupling.gas_dust,
             "drag of the gas disk on dust",
         ),
         (

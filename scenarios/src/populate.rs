@@ -20,6 +20,7 @@ use crate::initial::belt::{self, Belt, Body, Centre, Elements};
 use crate::initial::disk::Disk;
 use crate::initial::grains::{self, Grains};
 use crate::initial::lattice::{self, Arrangement};
+use crate::initial::strewn::Ring;
 use crate::initial::{self, Resolution};
 use crate::scene::{self, Scene};
 
@@ -122,8 +123,9 @@ pub fn cooling(gas: &scene::Gas) -> Option<Cooling> {
 
 /// Molecules of the scene's gas in its units: mass from the mean molecular weight, cross section of H2.
 pub fn molecules(scene: &Scene) -> Molecules {
-    let weight = scene.gas.as_ref().and_then(|gas| gas.mean_molecular_weight);
-    molecules_of(scene, weight.unwrap_or(2.34))
+    let particles = scene.gas.as_ref().and_then(|gas| gas.mean_molecular_weight);
+    let formula = (scene.surroundings.disk.as_ref()).map(|disk| disk.mean_molecular_weight);
+    molecules_of(scene, particles.or(formula).unwrap_or(2.34))
 }
 
 /// Molecules of mean weight `mu`.
@@ -522,6 +524,23 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
             first,
             velocity,
         );
+        append(&mut all, &made);
+    }
+    if let (Some(amount), Some(disk)) = (dust.amount, &scene.surroundings.disk) {
+        let disk = crate::assemble::gas_disk(disk);
+        let ring = Ring {
+            disk: &disk,
+            inner_radius: dust.inner_radius,
+            outer_radius: dust.outer_radius,
+            gm: scene.gravity.constant * scene.star.map_or(0.0, |star| star.mass),
+        };
+        let mass = match amount {
+            scene::DustAmount::DustToGas(ratio) => ratio * ring.mass(),
+            scene::DustAmount::Mass(mass) => mass,
+        };
+        let first = ids.take(dust.particles);
+        let law = dust_law(scene, dust);
+        let made = grains(dust.particles, mass).strewn(&ring, &law, scene.run.seed, first);
         append(&mut all, &made);
     }
     for b in &dust.blocks {

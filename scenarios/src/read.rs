@@ -8,6 +8,7 @@ mod frame;
 pub mod gas;
 pub mod gravity;
 mod surroundings;
+mod turbulence;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -103,6 +104,8 @@ pub struct Facts {
     has_file: bool,
     has_gas: bool,
     has_disk: bool,
+    /// Whether the gas is a disk of the surroundings.
+    has_formula: bool,
     has_planets: bool,
     preset: Preset,
     /// Where files of the scene are looked for.
@@ -144,15 +147,16 @@ fn scene(root: Section<'_>, name: &str, folder: &Path, door: &Door) -> Scene {
         has_file: initial_file.is_some(),
         has_gas: root.has("gas"),
         has_disk: root.section("gas").has("disk"),
+        has_formula: root.section("surroundings").has("disk") && !root.has("gas"),
         has_planets: root.has("planet"),
         preset: accuracy.preset,
         folder: folder.to_path_buf(),
     };
     let gas = gas::gas(&root, &facts);
-    let dust = dust::dust(&root, &facts, gas.as_ref());
+    let surroundings = surroundings::surroundings(&root, &facts);
+    let dust = dust::dust(&root, &facts, (gas.as_ref(), &surroundings));
     let planets = bodies::planets(&root, &facts);
     let planetesimals = bodies::planetesimals(&root, &facts);
-    let surroundings = surroundings::surroundings(&root, &facts);
     let run = frame::run(&root);
     let scene = Scene {
         name: frame::name(&root, name),

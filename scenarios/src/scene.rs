@@ -294,6 +294,8 @@ pub struct Dust {
     pub outer_radius: f64,
     pub blocks: Vec<DustBlock>,
     pub drag: DustDrag,
+    /// alpha of the turbulence that stirs it; none if zero.
+    pub turbulence: f64,
 }
 
 /// A block of dust, and what its grains have of their own; the rest they have from the dust.
@@ -533,6 +535,11 @@ pub enum Mass {
 pub struct Pulls(pub [[bool; 5]; 5]);
 
 impl Scene {
+    /// Whether dust is in gas that is a formula.
+    pub fn has_dust_in_formula(&self) -> bool {
+        self.dust.is_some() && self.surroundings.disk.is_some()
+    }
+
     /// Whether anything kicks bodies by a formula.
     pub fn has_surroundings(&self) -> bool {
         self.surroundings != Surroundings::default()

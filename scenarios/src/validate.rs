@@ -7,7 +7,7 @@ use nbody::points::Vec3;
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
-    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, Eos, Gas, GasDisk,
+    Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, DustDrag, Eos, Gas, GasDisk,
     Integrator, Mass, Orbit, Planetesimals, Scene, Sizes,
 };
 use crate::units::System;
@@ -299,6 +299,24 @@ fn dust_rules(scene: &Scene, dust: &Dust, complaints: &Complaints<'_>) {
     if dust.particles > 0 && dust.inner_radius >= dust.outer_radius {
         complaints.say("dust.inner_radius", "must be less than dust.outer_radius");
     }
+    if let Some(disk) = &scene.surroundings.disk
+        && dust.particles > 0
+        && (dust.inner_radius < disk.inner_radius || dust.outer_radius > disk.outer_radius)
+    {
+        let sentence = format!(
+            "must lie within surroundings.disk, from {} to {}",
+            disk.inner_radius, disk.outer_radius
+        );
+        let inside = dust.inner_radius >= disk.inner_radius;
+        let key = if inside { "outer" } else { "inner" };
+        complaints.say(&format!("dust.{key}_radius"), &sentence);
+    }
+    if dust.turbulence > 0.0 && dust.drag != DustDrag::None && !scene.coupling.gas_dust {
+        complaints.say(
+            "dust.turbulence",
+            "needs the drag of gas on dust, which coupling.drag leaves out",
+        );
+    }
     if let Some(Sizes::Range { min, max, .. }) = dust.sizes
         && min >= max
     {
@@ -416,11 +434,11 @@ fn surrounding_disk_rules(scene: &Scene, disk: &GasDisk, complaints: &Complaints
             );
         }
     }
-    let idle = disk.drag == BodyDrag::None && !disk.migration;
+    let idle = disk.drag == BodyDrag::None && !disk.migration && !scene.coupling.gas_dust;
     if idle && complaints.door.is_content() {
         complaints.say(
             "surroundings.disk",
-            "acts on nothing: give drag, or migration = true",
+            "acts on nothing: give drag, migration = true, or [dust] with a law of drag",
         );
     }
 }

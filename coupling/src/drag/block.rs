@@ -367,25 +367,16 @@ impl Block {
     /// Gives the members their change of velocity.
     pub fn push<I: Immersed>(&self, immersed: &mut I, members: &[u32], booking: &mut Booking) {
         for (row, &i) in self.rows.iter().zip(members) {
-            let i = i as usize;
-            let v = immersed.velocity(i);
-            booking.immersed.add((row.x, v), row.m, row.dv);
-            booking.kick += row.m * row.dv.dot(&(row.u_tick - row.u_middle));
+            row.push(immersed, i as usize, booking);
             booking.rigid += usize::from(row.shape == Shape::Rigid);
             booking.plain += usize::from(row.shape == Shape::Plain);
             booking.without_gas += usize::from(row.shape == Shape::Empty);
-            immersed.push(i, row.dv, row.t_stop, row.rho);
         }
     }
 
     /// Books what a gas that feels no reaction would have got.
     pub fn give_away(&self, booking: &mut Booking) {
-        for row in &self.rows {
-            booking.gas.momentum -= row.m * row.dv;
-            booking.gas.angular_momentum -= row.m * row.x.cross(&row.dv);
-            booking.gas.kinetic -= row.m * row.dv.dot(&row.v_gas);
-            booking.radiated += row.heat();
-        }
+        self.rows.iter().for_each(|row| row.give_away(booking));
     }
 
     pub fn loads(&self) -> impl Iterator<Item = f64> {

@@ -4,6 +4,8 @@ use dust::{Dust, Sphere, StoppingLaw};
 use nbody::Bodies;
 use nbody::points::Vec3;
 
+use crate::System;
+
 /// Particles in gas, addressed by their place.
 pub trait Immersed: Sync {
     fn position(&self, i: usize) -> Vec3;
@@ -36,7 +38,23 @@ pub struct Star {
 }
 
 impl Star {
-    fn omega(&self, x: Vec3) -> f64 {
+    /// The star of a system, or the centre that its frame turns about.
+    pub fn of(system: &System) -> Self {
+        let at = system.seen.star_x.first().copied();
+        at.map_or_else(
+            || Self {
+                rate: system.domain.hill().map_or(0.0, |hill| hill.rate),
+                ..Self::default()
+            },
+            |x| Self {
+                x,
+                gm: system.g * system.star.m[0],
+                rate: 0.0,
+            },
+        )
+    }
+
+    pub fn omega(&self, x: Vec3) -> f64 {
         if self.gm > 0.0 {
             (self.gm / (x - self.x).norm().powi(3)).sqrt()
         } else {

@@ -25,21 +25,6 @@ fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) ->
     })
 }
 
-fn star(system: &System) -> Star {
-    let at = system.seen.star_x.first().copied();
-    at.map_or_else(
-        || Star {
-            rate: system.domain.hill().map_or(0.0, |hill| hill.rate),
-            ..Star::default()
-        },
-        |x| Star {
-            x,
-            gm: system.g * system.star.m[0],
-            rate: 0.0,
-        },
-    )
-}
-
 /// Limits the search for gas to where gas is.
 fn limit(exchange: &mut Exchange, system: &System) {
     let largest = system.gas.particles.h.iter().copied().fold(0.0, f64::max);
@@ -47,7 +32,7 @@ fn limit(exchange: &mut Exchange, system: &System) {
 }
 
 /// Books what an exchange did beyond moving momentum between populations.
-fn book(system: &mut System, booking: &Booking, feedback: bool) {
+pub(super) fn book(system: &mut System, booking: &Booking, feedback: bool) {
     system.ledger.radiated += booking.radiated;
     system.ledger.receive(booking.frame);
     if !feedback {
@@ -79,7 +64,7 @@ impl DustDrag {
         self.steps.clear();
         self.steps
             .extend(self.active.iter().map(|&i| step(system, i as usize)));
-        let star = star(system);
+        let star = Star::of(system);
         let mut grains = Grains {
             dust: &mut system.dust,
             star,
@@ -109,7 +94,7 @@ impl Operator for DustDrag {
                 .map(|i| i as u32),
         );
         limit(&mut self.exchange, system);
-        let star = star(system);
+        let star = Star::of(system);
         let mut grains = Grains {
             dust: &mut system.dust,
             star,
@@ -159,7 +144,7 @@ impl BodyDrag {
     fn act(&mut self, system: &mut System, half: Half, step: f64) {
         self.steps.clear();
         self.steps.resize(self.active.len(), step);
-        let star = star(system);
+        let star = Star::of(system);
         self.planets.clear();
         let planets = (0..system.bodies.len()).filter(|&i| system.bodies.kind[i] == PLANET);
         self.planets
@@ -203,7 +188,7 @@ impl Operator for BodyDrag {
         let x: &[Vec3] = &system.bodies.x;
         let cube = nbody::points::sort::Cube::around(x);
         self.active.sort_by_cached_key(|&i| cube.key(x[i as usize]));
-        let star = star(system);
+        let star = Star::of(system);
         let mut h = std::mem::take(&mut system.bodies.h);
         h.resize(self.active.len(), 0.0);
         let mut bodies = BodiesInGas {

@@ -4,7 +4,7 @@ use gas::probe::Shape;
 use nbody::points::Vec3;
 
 use super::relaxation::{change, lag};
-use super::{Ambient, Half, Immersed, StoppingLaw};
+use super::{Ambient, Booking, Half, Immersed, StoppingLaw};
 
 /// An immersed particle: the gas around it, and its exchange.
 #[derive(Clone, Copy, Debug, Default)]
@@ -86,6 +86,22 @@ impl Row {
             self.coming_heat = -self.m * self.coming.dot(&(next + 0.5 * (kick + self.coming)));
         }
         self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
+    }
+
+    /// Gives particle `i` its change of velocity.
+    pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize, booking: &mut Booking) {
+        let v = immersed.velocity(i);
+        booking.immersed.add((self.x, v), self.m, self.dv);
+        booking.kick += self.m * self.dv.dot(&(self.u_tick - self.u_middle));
+        immersed.push(i, self.dv, self.t_stop, self.rho);
+    }
+
+    /// Books what a gas that feels no reaction would have got.
+    pub fn give_away(&self, booking: &mut Booking) {
+        booking.gas.momentum -= self.m * self.dv;
+        booking.gas.angular_momentum -= self.m * self.x.cross(&self.dv);
+        booking.gas.kinetic -= self.m * self.dv.dot(&self.v_gas);
+        booking.radiated += self.heat();
     }
 
     /// Heat of the row's change in gas of fixed velocity.

@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use dust::{Air, Ambient};
 use nbody::points::Vec3;
 
 /// How the gas turns.
@@ -92,5 +93,38 @@ impl GasDisk {
             omega: circular / r,
             v: Vec3::new(-x.y, x.x, 0.0) * (circular * square.sqrt() / r),
         })
+    }
+
+    /// The gas at `x` as grains in it see it, with its gradients; none where [`GasDisk::at`] has none.
+    pub fn air(&self, x: Vec3, gm: f64) -> Option<Air> {
+        let gas = self.at(x, gm)?;
+        let r = x.x.hypot(x.y);
+        let out = Vec3::new(x.x, x.y, 0.0) / (r * r);
+        let h = self.aspect_ratio(r) * r;
+        let (height, widening) = (x.z / h, 1.0 + self.flaring);
+        let along = self.slope + widening * (height * height - 1.0);
+        Some(Air {
+            ambient: Ambient {
+                rho: gas.rho,
+                c: gas.c,
+                omega: gas.omega,
+            },
+            log_rho: along * out - height / h * Vec3::z(),
+            log_c: (self.flaring - 0.5) * out,
+            log_omega: -1.5 * out,
+        })
+    }
+
+    /// Velocity about the star of a grain that drifts with `stokes` where gas turns as [`GasDisk::at`] has it, but for settling
+    /// (Nakagawa, Sekiya & Hayashi 1986, without the reaction of the dust).
+    pub fn drift(&self, x: Vec3, gm: f64, stokes: f64) -> Option<Vec3> {
+        let gas = self.at(x, gm)?;
+        let r = x.x.hypot(x.y);
+        let along = Vec3::new(-x.y, x.x, 0.0) / r;
+        let circular = (gm / x.norm().powi(3)).sqrt() * r;
+        // Of the gas, against grains.
+        let lag = (circular - gas.v.dot(&along)) / (1.0 + stokes * stokes);
+        let out = Vec3::new(x.x, x.y, 0.0) / r;
+        Some((circular - lag) * along - 2.0 * stokes * lag * out)
     }
 }

@@ -10,6 +10,7 @@ pub enum Purpose {
     DustPositions = 2,
     GrainSizes = 3,
     Orbits = 4,
+    Turbulence = 5,
 }
 
 /// The stream for `purpose`, particle `id` and step `step` of a run with seed `seed`.

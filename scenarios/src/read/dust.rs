@@ -2,11 +2,16 @@
 
 use super::Facts;
 use super::gas::{block, disk_particles, softening};
+use super::turbulence::turbulence;
 use crate::reader::{Range, Section};
-use crate::scene::{Dust, DustAmount, DustBlock, DustDrag, Gas, Sizes, Softening};
+use crate::scene::{Dust, DustAmount, DustBlock, DustDrag, Gas, Sizes, Softening, Surroundings};
 use crate::units::{Kind, System};
 
-pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust> {
+pub fn dust(
+    root: &Section<'_>,
+    facts: &Facts,
+    (gas, surroundings): (Option<&Gas>, &Surroundings),
+) -> Option<Dust> {
     let section = root.section("dust");
     if !section.present {
         return None;
@@ -17,7 +22,7 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
         .into_iter()
         .map(|entry| dust_block(entry, facts, drag))
         .collect();
-    let from_disk = section.has("particles") && facts.has_disk;
+    let from_disk = section.has("particles") && (facts.has_disk || facts.has_formula);
     if !section.has("particles") && blocks.is_empty() && !facts.has_file {
         section.wrong("", "needs particles, [[dust.block]] or an initial.file");
     }
@@ -27,7 +32,8 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
     } else {
         Softening::Fixed(0.0)
     };
-    let (inner_radius, outer_radius) = radii(&section, gas.filter(|_| from_disk));
+    let disk = gas_radii(gas, surroundings).filter(|_| from_disk);
+    let (inner_radius, outer_radius) = radii(&section, disk);
     let dust = Dust {
         particles,
         softening: softening(&section, default),
@@ -38,6 +44,7 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
         inner_radius,
         outer_radius,
         blocks,
+        turbulence: turbulence(&section, drag, facts),
         drag,
     };
     let asks = from_disk || dust.blocks.iter().any(|block| block.size.is_none());
@@ -48,12 +55,13 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
         );
         section.wrong("size", &sentence);
     }
-    section.later(&["growth", "turbulence"]);
+    section.later(&["growth"]);
     section.close();
     Some(dust)
 }
 
-const ONLY_DISK: &str = "belongs to a dust disk: give dust.particles beside a [gas.disk]";
+const ONLY_DISK: &str =
+    "belongs to a dust disk: give dust.particles beside a [gas.disk] or [surroundings.disk]";
 
 fn amount(section: &Section<'_>, from_disk: bool) -> Option<DustAmount> {
     let ratio = section.number("dust_to_gas", Range::POSITIVE);
@@ -77,17 +85,24 @@ fn scale_height(section: &Section<'_>, from_disk: bool) -> f64 {
     factor.unwrap_or(1.0)
 }
 
-fn radii(section: &Section<'_>, gas: Option<&Gas>) -> (f64, f64) {
+/// Inner and outer radius of the gas disk, of particles or a formula.
+fn gas_radii(gas: Option<&Gas>, surroundings: &Surroundings) -> Option<(f64, f64)> {
+    let particles = gas.and_then(|gas| gas.disk);
+    let particles = particles.map(|disk| (disk.inner_radius, disk.outer_radius));
+    let formula = surroundings
+        .disk
+        .map(|disk| (disk.inner_radius, disk.outer_radius));
+    particles.or(formula)
+}
+
+fn radii(section: &Section<'_>, disk: Option<(f64, f64)>) -> (f64, f64) {
     let inner = section.quantity("inner_radius", Kind::LENGTH, Range::POSITIVE);
     let outer = section.quantity("outer_radius", Kind::LENGTH, Range::POSITIVE);
-    let Some(disk) = gas.and_then(|gas| gas.disk) else {
+    let Some((first, last)) = disk else {
         section.misplaced(&["inner_radius", "outer_radius"], ONLY_DISK);
         return (0.0, 0.0);
     };
-    (
-        inner.unwrap_or(disk.inner_radius),
-        outer.unwrap_or(disk.outer_radius),
-    )
+    (inner.unwrap_or(first), outer.unwrap_or(last))
 }
 
 fn sizes(section: &Section<'_>) -> Option<Sizes> {
@@ -174,11 +189,12 @@ fn drag(dust: &Section<'_>, facts: &Facts) -> DustDrag {
     let section = dust.section("drag");
     let laws: Vec<(&str, usize)> = LAWS.into_iter().zip(0..).collect();
     let law = section.choice("law", &laws, &[]);
-    let law = law.unwrap_or(usize::from(facts.has_gas));
-    if law != 0 && !facts.has_gas {
+    let in_gas = facts.has_gas || facts.has_formula;
+    let law = law.unwrap_or(usize::from(in_gas));
+    if law != 0 && !in_gas {
         section.wrong(
             "law",
-            "needs [gas] to rub against; without gas allowed is \"none\"",
+            "needs [gas] to rub against, or a [surroundings.disk]; without gas allowed is \"none\"",
         );
     }
     let drag = numbered(&section, law);

@@ -159,8 +159,11 @@ fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
                 table.wrong(name, &sentence);
             }
             let itself = source == Mass::Star && target == Mass::Star;
+            // Dust in gas that does not pull would clump by a gravity that is a small part of the disk's.
+            let tracers =
+                scene.has_dust_in_formula() && (source, target) == (Mass::Dust, Mass::Dust);
             let acts = may && scene.has(target) && !itself && method != GravityMethod::None;
-            pulls.0[source as usize][target as usize] = acts && wanted.unwrap_or(true);
+            pulls.0[source as usize][target as usize] = acts && wanted.unwrap_or(!tracers);
         }
     }
     table.close();
@@ -172,7 +175,8 @@ pub fn with_coupling(mut scene: Scene, root: &Section<'_>) -> Scene {
     let dust_law = scene.dust.as_ref().map(|dust| dust.drag);
     let body_law = scene.planetesimals.map(|bodies| bodies.drag);
     let gas = scene.gas.is_some();
-    let can_dust = gas && dust_law.is_some_and(|law| law != DustDrag::None);
+    let air = gas || scene.surroundings.disk.is_some();
+    let can_dust = air && dust_law.is_some_and(|law| law != DustDrag::None);
     let can_bodies = gas && body_law.is_some_and(|law| law != BodyDrag::None);
     let pairs = [("gas-dust", 0), ("gas-planetesimals", 1)];
     let listed = section.choices("drag", &pairs);

@@ -213,6 +213,10 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
             }
         }
     }
+    if dust.turbulence > 0.0 {
+        text.table("dust.turbulence");
+        text.number("alpha", dust.turbulence);
+    }
     text.table("dust.drag");
     text.text("law", crate::read::dust::name(dust.drag));
     match dust.drag {
