@@ -1,6 +1,9 @@
 //! Dust: superparticles, each standing for a swarm of equal grains.
 
 pub mod motion;
+pub mod outcome;
+pub mod porosity;
+pub mod relative_speed;
 pub mod stopping;
 pub mod superparticles;
 
