@@ -1,5 +1,6 @@
 //! Dust: superparticles, each standing for a swarm of equal grains.
 
+pub mod coagulation;
 pub mod motion;
 pub mod outcome;
 pub mod porosity;

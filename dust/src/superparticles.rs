@@ -39,6 +39,10 @@ columns! {
         stokes: Real = Label::snapshot("StokesNumbers", Dimension::NONE, "stopping time by the orbital frequency"),
         /// density of the gas around
         rho_gas: Real = Label::snapshot("GasDensities", Dimension::DENSITY, "density of the gas around"),
+        /// isothermal sound speed of the gas around; empty unless somebody asks for it
+        c_gas: Real = Label::checkpoint("GasSoundSpeeds", Dimension::VELOCITY, "sound speed of the gas around").optional(),
+        /// velocity relative to the gas around; empty as that
+        slip: Vector = Label::checkpoint("GasSlips", Dimension::VELOCITY, "velocity relative to the gas around").optional(),
     }
 }
 

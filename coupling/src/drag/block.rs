@@ -338,6 +338,8 @@ impl Block {
             booking.plain += usize::from(row.shape == Shape::Plain);
             booking.without_gas += usize::from(row.shape == Shape::Empty);
             immersed.push(i, row.dv, row.t_stop, row.rho);
+            // The gas around has changed by -eps dv.
+            immersed.hear(i, row.c, row.u_tick + (1.0 + row.eps) * row.dv);
         }
     }
 

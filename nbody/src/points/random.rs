@@ -10,6 +10,8 @@ pub enum Purpose {
     DustPositions = 2,
     GrainSizes = 3,
     Orbits = 4,
+    Growth = 16,
+    GrowthCells = 17,
 }
 
 /// The stream for `purpose`, particle `id` and step `step` of a run with seed `seed`.
