@@ -6,6 +6,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+mod growth;
+
+pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
 pub use gas::{Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
@@ -294,6 +297,8 @@ pub struct Dust {
     pub outer_radius: f64,
     pub blocks: Vec<Block>,
     pub drag: DustDrag,
+    /// `None`: grains stay as they are.
+    pub growth: Option<Growth>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,6 +7,7 @@ use rand::{Rng, RngExt};
 
 use super::cell::{Law, Swarms};
 use super::{Physics, Place};
+
 use crate::Dust;
 use crate::outcome::{Outcome, Product};
 use crate::porosity::Aggregate;
@@ -80,9 +81,16 @@ impl<'a> Formula<'a> {
         );
         for k in 0..swarms.n {
             let i = swarms.places[k];
-            let (here, slip) = (place(i), derived.slip[i]);
+            let here = place(i);
+            // Where no gas is seen its velocity means nothing.
+            let inside = derived.rho_gas[i] > 0.0;
+            let slip = if inside {
+                derived.slip[i]
+            } else {
+                Vec3::zeros()
+            };
             swarms.slip[k] = slip;
-            if derived.rho_gas[i] > 0.0 {
+            if inside {
                 gas.rho += derived.rho_gas[i];
                 gas.c += derived.c_gas[i];
                 seen += 1.0;

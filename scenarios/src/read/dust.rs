@@ -38,14 +38,19 @@ pub fn dust(root: &Section<'_>, facts: &Facts, gas: Option<&Gas>) -> Option<Dust
         outer_radius,
         blocks,
         drag: drag(&section, facts),
+        growth: super::growth::growth(&section, facts),
     };
-    if matches!(dust.drag, DustDrag::Epstein) && !section.has("size") && !facts.has_file {
+    if matches!(dust.drag, DustDrag::Epstein)
+        && dust.growth.is_none()
+        && !section.has("size")
+        && !facts.has_file
+    {
         section.wrong(
             "size",
             "needs size, such as \"1 mm\", since the law of drag is \"epstein\"",
         );
     }
-    section.later(&["growth", "turbulence"]);
+    section.later(&["turbulence"]);
     section.close();
     Some(dust)
 }

@@ -1,5 +1,6 @@
 //! Gas and dust of a scene as text.
 
+use super::growth::write_growth;
 use super::text::Text;
 use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
 use crate::scene::{
@@ -212,5 +213,8 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
             text.text("law", "constant-stokes-number");
             text.number("stokes_number", stokes);
         }
+    }
+    if let Some(growth) = &dust.growth {
+        write_growth(text, growth);
     }
 }
