@@ -67,7 +67,7 @@ impl Operator for GrowDust {
         }
         meter.enter(Phase::Dust);
         let (dust, domain) = (&mut system.dust, &system.domain);
-        self.coagulation.cells.divide(&dust.particles.x, domain);
+        (self.coagulation.cells).divide(&dust.particles.x, &dust.tree, domain);
         if self.sees_gas() {
             // Filled by drag before they are looked at.
             let n = dust.particles.x.len();

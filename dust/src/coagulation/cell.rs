@@ -1,5 +1,6 @@
 //! Cell: the swarms of one cell in columns, the bounds on the rates at which they meet, and their collisions one after the other.
 
+use fearless_simd::Level;
 use nbody::points::Vec3;
 use rand::{Rng, RngExt};
 
@@ -41,6 +42,21 @@ pub trait Law {
         many: f64,
         random: &mut impl Rng,
     ) -> Option<(Aggregate, Outcome)>;
+}
+
+/// Lanes of a sum.
+const LANES: usize = 8;
+
+/// Sum of a column, lane by lane and then of the lanes: an order that wide registers keep.
+#[inline(always)]
+fn total(column: &Column) -> f64 {
+    let mut lanes = [0.0; LANES];
+    for part in column.chunks_exact(LANES) {
+        for (lane, x) in lanes.iter_mut().zip(part) {
+            *lane += x;
+        }
+    }
+    lanes.iter().sum()
 }
 
 /// The swarms of a cell.
@@ -124,6 +140,7 @@ impl Swarms {
             self.radius[k] = p.grain_radius[i];
         }
         self.spread[self.n..].fill(0.0);
+        self.sums[self.n..].fill(0.0);
         self.number[self.n..].fill(0.0);
     }
 
@@ -168,12 +185,11 @@ impl Swarms {
         for i in 0..self.n {
             law.describe(self, i);
         }
-        for i in 0..self.n {
-            self.meet(law, i);
-        }
+        let level = Level::new();
+        nbody::widest!(level, _simd => self.meet_all(law));
         let mut now = 0.0;
         loop {
-            let total: f64 = self.sums[..self.n].iter().sum();
+            let total = total(&self.sums);
             now -= (1.0 - random.random::<f64>()).ln() / total;
             // Not a number where nothing ever meets.
             if now.is_nan() || now >= dt {
@@ -196,7 +212,7 @@ impl Swarms {
                 self.put(i, grain);
                 self.radius[i] = grain.radius();
                 law.describe(self, i);
-                self.met_again(law, i);
+                nbody::widest!(level, _simd => self.met_again(law, i));
             }
         }
     }
@@ -222,18 +238,26 @@ impl Swarms {
             *rate = self.rate(law, i, j, least);
         }
         row[i] = 0.0;
-        self.sums[i] = row.iter().sum();
+        self.sums[i] = total(&row);
         self.rates[i] = row;
     }
 
+    #[inline(always)]
+    fn meet_all<L: Law>(&mut self, law: &L) {
+        for i in 0..self.n {
+            self.meet(law, i);
+        }
+    }
+
     /// The bounds after the grain of i has changed.
+    #[inline(always)]
     fn met_again<L: Law>(&mut self, law: &L, i: usize) {
         self.meet(law, i);
         for k in (0..self.n).filter(|&k| k != i) {
             let least = law.leverage() / (L::TOGETHER * self.m[k]);
             self.rates[k][i] = self.rate(law, k, i, least);
             // Summed anew: differences of large rates would leave their round-off.
-            self.sums[k] = self.rates[k].iter().sum();
+            self.sums[k] = total(&self.rates[k]);
         }
     }
 

@@ -1,20 +1,26 @@
 //! Cells: groups of neighbouring superparticles whose grains meet each other, and the volume that each fills.
 //!
-//! Halves at the median of the longest side, down to at most 32 members, so that a cell has at least 16 where there are as many. Faces lie midway
-//! between neighbours: cells fill a periodic domain, and a lattice, without gaps. Where dust ends a cell ends at its members, with the gap
+//! Small nodes of the tree are halved at the median of their longest side, down to at most 32 members, so that a cell has at least 16 where there are
+//! as many. Faces lie midway between neighbours: cells fill a periodic domain, and a lattice, without gaps. Where dust ends a cell ends at its members, with the gap
 //! that random points leave there; nowhere does it reach further into empty space than 0.6 of the mean distance of its members.
 //! Volumes count n/(n - 1) times: over random points the mean of n/V is that much too large, since V varies. Then the mean
 //! density that they see is right to 1 %, and 1/n too low on a lattice.
 
+use std::ops::Range;
+
 use nbody::points::random::{Purpose, stream};
-use nbody::points::{Domain, Vec3};
+use nbody::points::sum::Parts;
+use nbody::points::{Domain, Tree, Vec3};
 use rand::seq::SliceRandom;
+use rayon::prelude::*;
 
 /// Most members of a cell.
 pub const CELL: usize = 32;
 
-/// Members below which halves are not worth two tasks.
-const FEW: usize = 8192;
+/// Nodes of the tree of at most so many members are halved at medians; larger ones as the tree is, unless that leaves a child
+/// less than half a cell in a node of fewer than the second number.
+const GROUP: usize = 256;
+const LONELY: usize = 4096;
 
 /// How far a face may be from the members, by their mean distance.
 const FARTHEST: f64 = 0.6;
@@ -38,6 +44,7 @@ pub struct Cell {
 pub struct Cells {
     members: Vec<Member>,
     pub cells: Vec<Cell>,
+    groups: Vec<Group>,
 }
 
 /// The part of space that a group has: its faces, and which of them are the end of all dust.
@@ -48,33 +55,97 @@ struct Part {
     ends: [[bool; 2]; 3],
 }
 
+impl Part {
+    /// What lies below and above a face.
+    fn cut(self, axis: usize, face: f64) -> [Self; 2] {
+        let [mut below, mut above] = [self; 2];
+        below.hi[axis] = face;
+        above.lo[axis] = face;
+        below.ends[axis][1] = false;
+        above.ends[axis][0] = false;
+        [below, above]
+    }
+}
+
+/// A node of the tree that is divided further, with its members and its cells.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    first: u32,
+    end: u32,
+    first_cell: u32,
+    end_cell: u32,
+    part: Part,
+}
+
+impl Group {
+    fn members(&self) -> Range<usize> {
+        self.first as usize..self.end as usize
+    }
+
+    fn cells(&self) -> Range<usize> {
+        self.first_cell as usize..self.end_cell as usize
+    }
+}
+
 impl Cells {
-    /// Divides points into cells.
-    pub fn divide(&mut self, x: &[Vec3], domain: &Domain) {
+    /// Divides points, in the order of their tree, into cells.
+    pub fn divide(&mut self, x: &[Vec3], tree: &Tree, domain: &Domain) {
         self.members.clear();
         self.members
             .extend((0..).zip(x).map(|(place, &x)| Member { x, place }));
-        self.number();
-        let (mut lo, mut hi) = extent(&self.members);
-        let mut ends = [[true; 2]; 3];
-        for axis in 0..3 {
-            if domain.period(axis) > 0.0 {
-                (lo[axis], hi[axis]) = (0.0, domain.period(axis));
-                ends[axis] = [false; 2];
-            }
+        self.cells.clear();
+        self.groups.clear();
+        let Some(root) = tree.nodes.first() else {
+            return;
+        };
+        let mut part = Part {
+            lo: root.lo,
+            hi: root.hi,
+            ends: [[true; 2]; 3],
+        };
+        for axis in (0..3).filter(|&axis| domain.period(axis) > 0.0) {
+            (part.lo[axis], part.hi[axis]) = (0.0, domain.period(axis));
+            part.ends[axis] = [false; 2];
         }
-        halve(
-            &mut self.members,
-            &mut self.cells,
-            Part { lo, hi, ends },
-            domain.axes,
-        );
+        self.descend(tree, 0, part, domain.axes);
+        let (members, cells) = (Parts::new(&mut self.members), Parts::new(&mut self.cells));
+        self.groups.par_iter().with_min_len(16).for_each(|group| {
+            // SAFETY: groups have members and cells of their own.
+            let (members, cells) =
+                unsafe { (members.part(group.members()), cells.part(group.cells())) };
+            halve(members, cells, group.part, domain.axes);
+        });
     }
 
-    /// Lays out cells that [`halve`] then measures: their sizes follow from the number of members alone.
-    fn number(&mut self) {
-        self.cells.clear();
-        count(0, self.members.len(), &mut self.cells);
+    /// Lists the groups of a node of the tree, and lays out their cells.
+    fn descend(&mut self, tree: &Tree, node: usize, part: Part, axes: [bool; 3]) {
+        let (own, n) = (tree.nodes[node], tree.nodes[node].count());
+        let children = tree.children(node).filter(|&(left, right)| {
+            let least = (tree.nodes[left].count()).min(tree.nodes[right].count());
+            n > GROUP && (least >= CELL / 2 || n > LONELY)
+        });
+        if let Some((left, right)) = children {
+            let (below, above) = (&tree.nodes[left], &tree.nodes[right]);
+            let gap = |axis: usize| match axes[axis] {
+                true => above.lo[axis] - below.hi[axis],
+                false => f64::NEG_INFINITY,
+            };
+            // Along the axis on which the node was halved they do not overlap.
+            let axis = (1..3).fold(0, |best, a| if gap(a) > gap(best) { a } else { best });
+            let [low, high] = part.cut(axis, 0.5 * (below.hi[axis] + above.lo[axis]));
+            self.descend(tree, left, low, axes);
+            self.descend(tree, right, high, axes);
+            return;
+        }
+        let first_cell = self.cells.len() as u32;
+        count(own.first as usize, n, &mut self.cells);
+        self.groups.push(Group {
+            first: own.first,
+            end: own.end,
+            first_cell,
+            end_cell: self.cells.len() as u32,
+            part,
+        });
     }
 
     /// Deals out `n` points of a well-mixed space of this volume: everybody may meet everybody, others at every step.
@@ -86,7 +157,8 @@ impl Cells {
         }));
         let mut random = stream(seed, Purpose::GrowthCells, 0, step);
         self.members.shuffle(&mut random);
-        self.number();
+        self.cells.clear();
+        count(0, n, &mut self.cells);
         for cell in &mut self.cells {
             cell.volume = volume * f64::from(cell.end - cell.first) / n as f64;
         }
@@ -147,12 +219,9 @@ fn halve(members: &mut [Member], cells: &mut [Cell], part: Part, axes: [bool; 3]
         }
         return;
     }
-    let side = |axis: usize| {
-        if axes[axis] {
-            hi[axis] - lo[axis]
-        } else {
-            -1.0
-        }
+    let side = |axis: usize| match axes[axis] {
+        true => hi[axis] - lo[axis],
+        false => -1.0,
     };
     let axis = (1..3).fold(0, |best, a| if side(a) > side(best) { a } else { best });
     let by_side =
@@ -160,21 +229,10 @@ fn halve(members: &mut [Member], cells: &mut [Cell], part: Part, axes: [bool; 3]
     members.select_nth_unstable_by(n / 2, by_side);
     let (low, high) = members.split_at_mut(n / 2);
     let last = low.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.x[axis]));
-    let face = 0.5 * (last + high[0].x[axis]);
-    let (mut below, mut above) = (part, part);
-    below.hi[axis] = face;
-    above.lo[axis] = face;
-    below.ends[axis][1] = false;
-    above.ends[axis][0] = false;
+    let [below, above] = part.cut(axis, 0.5 * (last + high[0].x[axis]));
     let (cells_low, cells_high) = cells.split_at_mut(cells_of(n / 2));
-    let mut left = || halve(low, cells_low, below, axes);
-    let mut right = || halve(high, cells_high, above, axes);
-    if n > FEW {
-        rayon::join(left, right);
-    } else {
-        left();
-        right();
-    }
+    halve(low, cells_low, below, axes);
+    halve(high, cells_high, above, axes);
 }
 
 /// Volume of a cell of `n` members that reach from `lo` to `hi`.
@@ -204,9 +262,11 @@ fn volume(n: usize, (lo, hi): (Vec3, Vec3), part: &Part, axes: [bool; 3]) -> f64
 
 #[cfg(test)]
 mod tests {
+    use nbody::points::Columns;
     use rand::RngExt;
 
     use super::*;
+    use crate::{Dust, Superparticles};
 
     fn random(n: usize, seed: u64) -> Vec<Vec3> {
         let mut random = stream(seed, Purpose::DustPositions, 0, 0);
@@ -217,8 +277,15 @@ mod tests {
 
     /// Mean over the points of the density that their cell has, by the true one.
     fn density(x: &[Vec3], domain: &Domain, density: f64) -> f64 {
+        let mut particles = Superparticles {
+            x: x.to_vec(),
+            id: vec![0; x.len()],
+            ..Superparticles::default()
+        };
+        particles.resize(x.len());
+        let dust = Dust::new(particles);
         let mut cells = Cells::default();
-        cells.divide(x, domain);
+        cells.divide(&dust.particles.x, &dust.tree, domain);
         let mut all: Vec<usize> = cells.cells.iter().flat_map(|c| cells.places(c)).collect();
         all.sort_unstable();
         assert!(all.iter().enumerate().all(|(i, &place)| i == place));
