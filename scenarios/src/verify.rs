@@ -3,6 +3,7 @@
 mod field_steps;
 mod gammie;
 pub mod gas;
+mod growth;
 mod inner_edge;
 mod orbits;
 pub mod ring;
@@ -164,7 +165,7 @@ const fn of_scheme(
 }
 
 /// All problems, in the order in which they run.
-pub const PROBLEMS: [Problem; 31] = [
+pub const PROBLEMS: [Problem; 33] = [
     own(
         "sod",
         "shock tube of 57 600 particles in both precisions; about 1 minute",
@@ -244,6 +245,16 @@ pub const PROBLEMS: [Problem; 31] = [
         "stirring-two-masses",
         "stirring and dynamical friction between two populations over 100 orbits, 3 runs; about 4 minutes",
         stirring::two_masses,
+    ),
+    own(
+        "dust-smoluchowski",
+        "coagulation with a constant rate, the sum and the product of the masses, 10 runs of 10 000 swarms of equal and of unequal mass; about 1 minute",
+        growth::smoluchowski,
+    ),
+    own(
+        "dust-growth-barriers",
+        "grains that grow in turbulence until they break, against Birnstiel, Klahr & Ercolano (2012); about 1 minute",
+        growth::barriers,
     ),
     of_scheme(
         "gas-sod",
