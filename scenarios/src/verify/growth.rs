@@ -124,6 +124,8 @@ const MIDPLANES: [[f64; 7]; 2] = [
     [1700.0, 3.0, 1e-4, 100.0, 1e5, 3e6, 0.444926485355],
 ];
 
+const DUST_TO_GAS: f64 = 0.01;
+
 /// The part of the largest size at which most of the mass is.
 const PEAK: f64 = 0.37;
 
@@ -143,7 +145,7 @@ pub fn barriers() -> Vec<Row> {
             barrier,
             bar(tabulated, 1e-3, 0.02),
         ));
-        // In units of 1/Omega at a radius of 1 au.
+        // At 1 au.
         let omega = kepler / 1.496e13;
         let surroundings = Surroundings {
             rho: sigma * omega / ((2.0 * std::f64::consts::PI).sqrt() * c),
@@ -151,18 +153,17 @@ pub fn barriers() -> Vec<Row> {
             omega,
         };
         let kernel = Kernel::Physical(turbulent(alpha, speed, density));
-        let monomer = 1e-4;
-        let mut space = Mixed::grains(kernel, 2000, (monomer, density), surroundings, 1e-2);
-        space.advance(2000.0 / omega, 2.0 / omega);
-        let mut sizes = Vec::new();
-        for k in 0..10 {
-            space.advance((2000.0 + 40.0 * f64::from(k + 1)) / omega, 2.0 / omega);
-            sizes.push([
-                space.mean_radius(),
-                space.quantile(0.5),
-                space.quantile(0.99),
-            ]);
-        }
+        // Growth takes some of these times from a tenth of the barrier.
+        let (start, unit) = (0.1 * barrier, 1.0 / (DUST_TO_GAS * omega));
+        let grain = (start, density);
+        let mut space = Mixed::grains(kernel, 2000, grain, surroundings, DUST_TO_GAS);
+        let sizes: Vec<[f64; 3]> = (0..10)
+            .map(|k| {
+                space.advance((30.0 + f64::from(k)) * unit, 0.02 * unit);
+                let [half, most] = [0.5, 0.99].map(|part| space.quantile(part));
+                [space.mean_radius(), half, most]
+            })
+            .collect();
         let row = |what: &str, which: usize, value: f64, bars: [f64; 2]| {
             let (measured, uncertainty) = mean(sizes.iter().map(|s| s[which]));
             Row {
