@@ -8,6 +8,7 @@ mod coupled {
 }
 mod dust {
     mod dusty_box;
+    mod growth;
 }
 mod gas {
     mod allocation;

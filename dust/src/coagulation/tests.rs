@@ -281,6 +281,94 @@ fn results_do_not_depend_on_threads() {
     assert!(one == run(2) && one == run(7));
 }
 
+#[test]
+fn grown_grains_have_their_new_stopping_times() {
+    let mut dust = mixture(320);
+    let physics = physics();
+    let mut coagulation = Coagulation::new(Kernel::Physical(physics), 3);
+    coagulation.cells.mix(320, 1e10, (0, 0));
+    let before = dust.particles.grain_radius.clone();
+    coagulation.advance(&mut dust, &|_| PLACE, 1e-3, 0);
+    let (p, derived) = (&dust.particles, &dust.derived);
+    let gas = Ambient {
+        rho: 1.0,
+        c: 1.0,
+        omega: 1.0,
+    };
+    let grown = (0..320).filter(|&i| p.grain_radius[i] != before[i]);
+    let worst = grown.map(|i| {
+        let sphere = Sphere {
+            radius: p.grain_radius[i],
+            density: p.grain_density[i],
+        };
+        let t = (physics.law).stopping_time(&sphere, &gas, derived.slip[i].norm());
+        (derived.t_stop[i] / t - 1.0)
+            .abs()
+            .max((derived.stokes[i] / t - 1.0).abs())
+    });
+    let worst: Vec<f64> = worst.collect();
+    assert!(worst.len() > 100, "{}", worst.len());
+    assert!(worst.iter().all(|&w| w < 1e-12));
+}
+
+#[test]
+fn brownian_motion_makes_fractal_grains() {
+    let n = 1000;
+    let mut dust = monomers(n, 1.0, 2);
+    surround(&mut dust, 1.0);
+    let monomers = Monomers {
+        radius: UNIT,
+        density: 1.0,
+        // No impact compresses, nor does gas.
+        rolling_energy: 1e30,
+        g: 0.0,
+    };
+    let physics = Physics {
+        sources: Sources {
+            molecule: 1e-6,
+            turbulence: None,
+            motion: Motion::Still,
+        },
+        porosity: Some(monomers),
+        ..physics()
+    };
+    let volume = mass(&dust);
+    let mut coagulation = Coagulation::new(Kernel::Physical(physics), 3);
+    let mean = |dust: &Dust| {
+        let p = &dust.particles;
+        let logs = (0..n).map(|i| {
+            let (a, rho): (f64, f64) = (p.grain_radius[i], p.grain_density[i]);
+            [a.ln(), Aggregate::new(a, rho).m.ln()]
+        });
+        logs.fold([0.0; 2], |sum, log| {
+            [sum[0] + log[0] / n as f64, sum[1] + log[1] / n as f64]
+        })
+    };
+    let (mut step, mut dt) = (0, 3.0);
+    let mut seen = Vec::new();
+    while mean(&dust)[1] < 9.0 {
+        coagulation.cells.mix(n, volume, (3, step));
+        let tally = coagulation.advance(&mut dust, &|_| Place::default(), dt, step);
+        // About a fifth of the swarms at a time.
+        dt *= if tally.total() < n as u64 / 5 {
+            1.3
+        } else {
+            0.8
+        };
+        step += 1;
+        seen.push(mean(&dust));
+    }
+    let middle = seen
+        .iter()
+        .find(|log| log[1] > 4.5)
+        .expect("a state half way");
+    let last = seen.last().expect("a state");
+    let dimension = (last[1] - middle[1]) / (last[0] - middle[0]);
+    println!("fractal dimension {dimension} after {step} steps");
+    // Equal grains: 1.90; grains that meet smaller ones fill up more.
+    assert!((dimension - 1.95).abs() < 0.1, "{dimension}");
+}
+
 /// Cost of a call in which little happens: `cargo test --release -p tridisk-dust --lib cost -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement"]
