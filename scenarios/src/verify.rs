@@ -248,7 +248,7 @@ pub const PROBLEMS: [Problem; 33] = [
     ),
     own(
         "dust-smoluchowski",
-        "coagulation with a constant rate, the sum and the product of the masses, 10 runs of 10 000 swarms of equal and of unequal mass; about 1 minute",
+        "coagulation with a constant rate, the sum and the product of the masses, 10 runs of 10 000 swarms of equal and of unequal mass; about 2 minutes",
         growth::smoluchowski,
     ),
     own(

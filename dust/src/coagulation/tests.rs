@@ -12,8 +12,10 @@ const UNIT: f64 = 0.620_350_490_899_4;
 
 /// Swarms of grains of unit mass, whose own masses are spread over a factor `spread`.
 fn monomers(n: usize, spread: f64, seed: u64) -> Dust {
-    let mut p = Superparticles::default();
-    p.id = (0..n as u64).collect();
+    let mut p = Superparticles {
+        id: (0..n as u64).collect(),
+        ..Superparticles::default()
+    };
     p.resize(n);
     let mut random = stream(seed, Purpose::GrainSizes, 0, 0);
     for m in &mut p.m {
