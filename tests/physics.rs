@@ -11,6 +11,7 @@ mod dust {
     mod clumps;
     mod dusty_box;
     mod extremes;
+    mod growth;
     mod turbulence;
     mod wave;
 }

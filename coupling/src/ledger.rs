@@ -219,6 +219,8 @@ pub struct Ledger {
     pub floors: u64,
     /// How often drag found gas so one-sided that it did not keep angular momentum.
     pub lopsided: u64,
+    /// How often a grain did not grow since it would have outweighed its swarm.
+    pub whole: u64,
     /// The last census, while it still says how the system stands.
     last: Option<Census>,
 }

@@ -9,6 +9,7 @@ pub mod drift;
 pub mod edge;
 pub mod external;
 pub mod gravity;
+pub mod growth;
 pub mod kick;
 pub mod ledger;
 pub mod operator;

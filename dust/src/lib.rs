@@ -1,6 +1,10 @@
 //! Dust: superparticles, each standing for a swarm of equal grains.
 
+pub mod coagulation;
 pub mod motion;
+pub mod outcome;
+pub mod porosity;
+pub mod relative_speed;
 pub mod stirring;
 pub mod stopping;
 pub mod superparticles;

@@ -43,6 +43,10 @@ columns! {
         rho_gas: Real = Label::snapshot("GasDensities", Dimension::DENSITY, "density of the gas around"),
         /// h by the sum of sound speed and relative speed; infinite without gas around, zero before it was looked for
         crossing: Real = Label::checkpoint("CrossingTimes", Dimension::TIME, "time in which sound and grain cross the smoothing length"),
+        /// isothermal sound speed of the gas around; empty unless somebody asks for it
+        c_gas: Real = Label::checkpoint("GasSoundSpeeds", Dimension::VELOCITY, "sound speed of the gas around").optional(),
+        /// velocity relative to the gas around; empty as that
+        slip: Vector = Label::checkpoint("GasSlips", Dimension::VELOCITY, "velocity relative to the gas around").optional(),
     }
 }
 

@@ -13,6 +13,7 @@ use coupling::external::{
     TypeOne,
 };
 use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
+use coupling::growth::GrowDust;
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::rearrange::RearrangeGas;
 use coupling::stirring::{Medium, Stir};
@@ -276,6 +277,11 @@ fn operators(
     let moving = bodies && (gas || dust || !system.bodies.is_empty());
     let hydro = scene.gas.as_ref().map(|g| populate::hydro(scene, g));
     let mut list: Vec<Box<dyn Operator>> = Vec::new();
+    let grown = scene.dust.as_ref().filter(|_| dust);
+    if let Some(kernel) = grown.and_then(|d| populate::growth::kernel(scene, d)) {
+        // The outermost: closes after and opens before all others.
+        list.push(Box::new(GrowDust::new(kernel, scene.run.seed)));
+    }
     if let Some(hydro) = hydro.clone().filter(|_| gas) {
         let strength = scene.gas.as_ref().map_or(0.0, |gas| gas.rearrange);
         if strength > 0.0 {

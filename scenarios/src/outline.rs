@@ -10,7 +10,9 @@ use nbody::points::{Columns, Dimension};
 use crate::cost;
 use crate::read::gas::{FORMULATIONS, name_of, viscosity_name};
 use crate::run::RunError;
-use crate::scene::{BodyDrag, Collisions, Cooling, CoolingTime, Eos, Gradient, Physical, Scene};
+use crate::scene::{
+    BodyDrag, Collisions, Cooling, CoolingTime, Eos, Gradient, GrainMotion, Growth, Physical, Scene,
+};
 
 /// Wall-clock time for which a scene is advanced to see what it costs, s.
 const MOMENT: f64 = 0.5;
@@ -27,7 +29,8 @@ pub fn outline(scene: &Scene) -> Result<String, RunError> {
         sampled.operators.join(", ")
     ));
     let said = method(scene).into_iter().chain(sampled.remarks.clone());
-    said.chain(surroundings(scene, system))
+    said.chain(growth(scene))
+        .chain(surroundings(scene, system))
         .for_each(|words| line(format!("  {words}")));
     line(format!(
         "not modelled: {}",
@@ -148,6 +151,50 @@ fn method(scene: &Scene) -> Option<String> {
     ))
 }
 
+/// Whether grains can break.
+fn breaks(growth: &Growth) -> bool {
+    matches!(growth, Growth::Physical(growth) if growth.fragmentation_speed.is_finite())
+}
+
+/// How grains grow.
+fn growth(scene: &Scene) -> Option<String> {
+    let growth = match scene.dust.as_ref()?.growth? {
+        Growth::Exact { kernel, rate } => {
+            let kernel = format!("{kernel:?}").to_lowercase();
+            return Some(format!("growth of grains: {kernel} kernel of rate {rate}"));
+        }
+        Growth::Physical(growth) => growth,
+    };
+    let mut sources = Vec::new();
+    if growth.brownian {
+        sources.push("Brownian motion".to_owned());
+    }
+    if growth.alpha > 0.0 {
+        sources.push(format!("turbulence of alpha = {}", growth.alpha));
+    }
+    match growth.motion {
+        GrainMotion::None => {}
+        GrainMotion::Resolved => sources.push("the motion of the superparticles".to_owned()),
+        GrainMotion::Steady { headwind } => {
+            sources.push(format!("steady drift in a head wind of {headwind}"));
+        }
+    }
+    let shape = match growth.rolling_energy {
+        Some(_) => "porous",
+        None => "compact",
+    };
+    let threshold = |does: &str, speed: f64| match speed.is_finite() {
+        true => format!(", {does} above {speed:.4e}"),
+        false => String::new(),
+    };
+    Some(format!(
+        "growth of {shape} grains by {}{}{}",
+        sources.join(", "),
+        threshold("bouncing", growth.bouncing_speed),
+        threshold("breaking", growth.fragmentation_speed)
+    ))
+}
+
 /// What acts by a formula, and on whom.
 fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
     let mut said = Vec::new();
@@ -229,6 +276,7 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
         .as_ref()
         .is_some_and(|p| matches!(p.collisions, Collisions::Fragment { .. }));
     let fluids = gas || !system.dust.is_empty();
+    let growing = scene.dust.as_ref().and_then(|dust| dust.growth);
     let given = &scene.surroundings;
     let disk = given.disk;
     let lacks = [
@@ -268,7 +316,7 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
         ),
         (gas, "magnetic fields, radiation"),
         (
-            !system.dust.is_empty(),
+            !system.dust.is_empty() && growing.is_none(),
             "growth and fragmentation of grains",
         ),
         (
@@ -277,6 +325,10 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
                 .as_ref()
                 .is_some_and(|dust| dust.turbulence == 0.0),
             "turbulent stirring of dust",
+        ),
+        (
+            !system.dust.is_empty() && growing.is_some_and(|g| !breaks(&g)),
+            "fragmentation of grains",
         ),
         (
             !system.bodies.is_empty() && !breaking,

@@ -1,5 +1,7 @@
 //! Population of a scene: particles and bodies from generators and from a file, with the material laws that the scene gives them.
 
+pub mod growth;
+
 use std::fmt;
 
 use coupling::System;

@@ -7,6 +7,7 @@ mod eos;
 mod frame;
 pub mod gas;
 pub mod gravity;
+pub mod growth;
 mod surroundings;
 mod turbulence;
 

@@ -6,6 +6,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+mod growth;
+
+pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
 pub use gas::{Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
@@ -296,6 +299,8 @@ pub struct Dust {
     pub drag: DustDrag,
     /// alpha of the turbulence that stirs it; none if zero.
     pub turbulence: f64,
+    /// `None`: grains stay as they are.
+    pub growth: Option<Growth>,
 }
 
 /// A block of dust, and what its grains have of their own; the rest they have from the dust.

@@ -2,6 +2,8 @@
 //!
 //! A value that has already been refused stands here as not-a-number, which breaks no rule.
 
+mod growth;
+
 use nbody::points::Vec3;
 
 use crate::document::{Entries, Node, Place, Value};
@@ -322,6 +324,7 @@ fn dust_rules(scene: &Scene, dust: &Dust, complaints: &Complaints<'_>) {
     {
         complaints.say("dust.size.min", "must be less than dust.size.max");
     }
+    growth::rules(scene, dust, complaints);
     for (i, entry) in dust.blocks.iter().enumerate() {
         block_rules(scene, &entry.block, &format!("dust.block.{i}"), complaints);
     }

@@ -8,6 +8,7 @@ mod dust_settling_diffusion;
 mod field_steps;
 mod gammie;
 pub mod gas;
+mod growth;
 mod inner_edge;
 mod orbits;
 pub mod ring;
@@ -269,6 +270,16 @@ pub const PROBLEMS: &[Problem] = &[
         "dust-nsh",
         "drift of gas and grains of one and of several sizes through each other in a shearing box; about 2 seconds",
         dust_nsh::rows,
+    ),
+    own(
+        "dust-smoluchowski",
+        "coagulation with a constant rate, the sum and the product of the masses, 10 runs of 10 000 swarms of equal and of unequal mass; about 2 minutes",
+        growth::smoluchowski,
+    ),
+    own(
+        "dust-growth-barriers",
+        "grains that grow in turbulence until they break, against Birnstiel, Klahr & Ercolano (2012); about 1 minute",
+        growth::barriers,
     ),
     of_scheme(
         "gas-sod",

@@ -3,6 +3,7 @@
 mod bodies;
 mod frame;
 mod gas;
+mod growth;
 mod text;
 
 use crate::scene::Scene;

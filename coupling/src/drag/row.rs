@@ -94,6 +94,8 @@ impl Row {
         booking.immersed.add((self.x, v), self.m, self.dv);
         booking.kick += self.m * self.dv.dot(&(self.u_tick - self.u_middle));
         immersed.push(i, self.dv, self.t_stop, self.rho);
+        // The gas around has changed by -eps dv.
+        immersed.hear(i, self.c, self.u_tick + (1.0 + self.eps) * self.dv);
     }
 
     /// Books what a gas that feels no reaction would have got.

@@ -11,6 +11,8 @@ pub enum Purpose {
     GrainSizes = 3,
     Orbits = 4,
     Turbulence = 5,
+    Growth = 16,
+    GrowthCells = 17,
 }
 
 /// The stream for `purpose`, particle `id` and step `step` of a run with seed `seed`.

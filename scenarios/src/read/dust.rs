@@ -2,6 +2,7 @@
 
 use super::Facts;
 use super::gas::{block, disk_particles, softening};
+use super::growth::growth;
 use super::turbulence::turbulence;
 use crate::reader::{Range, Section};
 use crate::scene::{Dust, DustAmount, DustBlock, DustDrag, Gas, Sizes, Softening, Surroundings};
@@ -34,6 +35,7 @@ pub fn dust(
     };
     let disk = gas_radii(gas, surroundings).filter(|_| from_disk);
     let (inner_radius, outer_radius) = radii(&section, disk);
+    let stirred = turbulence(&section, drag, facts);
     let dust = Dust {
         particles,
         softening: softening(&section, default),
@@ -44,18 +46,19 @@ pub fn dust(
         inner_radius,
         outer_radius,
         blocks,
-        turbulence: turbulence(&section, drag, facts),
+        turbulence: stirred,
         drag,
+        growth: growth(&section, facts, stirred),
     };
     let asks = from_disk || dust.blocks.iter().any(|block| block.size.is_none());
-    if dust.drag.is_physical() && asks && !section.has("size") && !facts.has_file {
+    let asks = asks && dust.growth.is_none() && !facts.has_file;
+    if dust.drag.is_physical() && asks && !section.has("size") {
         let sentence = format!(
             "needs size, such as \"1 mm\", since the law of drag is \"{}\"",
             name(dust.drag)
         );
         section.wrong("size", &sentence);
     }
-    section.later(&["growth"]);
     section.close();
     Some(dust)
 }

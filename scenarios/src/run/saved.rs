@@ -88,7 +88,7 @@ pub fn write(
     draft.fact("ledger sums", Fact::Reals(sums));
     draft.fact(
         "floors",
-        Fact::Integers(vec![ledger.floors, ledger.lopsided]),
+        Fact::Integers(vec![ledger.floors, ledger.lopsided, ledger.whole]),
     );
     draft.fact(
         "operators",
@@ -218,7 +218,7 @@ fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> 
     ledger.accreted = [sums[3], sums[4], sums[5]];
     ledger.given_away = totals_of(&sums[6..]);
     let uses = file.integers("floors")?;
-    (ledger.floors, ledger.lopsided) = (uses[0], uses[1]);
+    (ledger.floors, ledger.lopsided, ledger.whole) = (uses[0], uses[1], uses[2]);
     let changes = file.reals("operators' changes")?;
     let names = file.text("operators")?;
     let names = names.lines().zip(changes.chunks(4 * TOTALS));

@@ -1,5 +1,6 @@
 //! Gas and dust of a scene as text.
 
+use super::growth::write_growth;
 use super::text::Text;
 use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
 use crate::scene::{
@@ -224,5 +225,8 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
         DustDrag::ConstantStokesNumber(stokes) => text.number("stokes_number", stokes),
         DustDrag::Quadratic(coefficient) => text.number("coefficient", coefficient),
         _ => {}
+    }
+    if let Some(growth) = &dust.growth {
+        write_growth(text, growth);
     }
 }
