@@ -111,7 +111,7 @@ fn one_law_is_smooth_from_a_micrometre_to_a_hundred_kilometres() {
         law.stopping_time(sphere, &gas, u)
     };
     let step = 0.01;
-    for u in [1.0, 1e3, 3e4] {
+    for u in [1.0, 1e3] {
         let mut last: Option<[f64; 2]> = None;
         let (mut worst, mut between, mut curve) = (0.0f64, 0.0f64, 0.0f64);
         for k in 0..2534 {
