@@ -5,7 +5,7 @@
 //! Stokes: t = 8 rho_s s / (3 C_D rho u), C_D = 24/Re, 24 Re^-0.6, 0.44 for Re < 1, < 800, above; Re = 2 s u / nu, nu = v_th l / 2
 //! (Whipple 1972; Weidenschilling 1977, MNRAS 180, 57), l = mass / (cross section rho).
 //! Auto: 1/t = (E^-4 + S^-4)^(-1/4), E Epstein's rate and S that of Stokes' law with the norm of order 32 of its three C_D: smooth in all it
-//! depends on, t within 2.8 % of the laws joined by hand except for 1.1 l < s < 4.2 l, where it is longer by up to 19 % at 9/4 l; subsonic beyond Epstein.
+//! depends on, at M < 0.01 t within 2.8 % of the laws joined by hand except for 1.1 l < s < 4.2 l, where it is longer by up to 19 % at 9/4 l (34 % at M = 0.2); subsonic beyond Epstein.
 //! Bodies: C_D = 1 / (1 / (24/Re + 40/(10 + Re)) + 3 M/8) + (2 - w) M/(1 + M) + w, w = 0.4, or 0.2 above Re = 2e5: a smooth form
 //! of the laws of Adachi, Hayashi & Nakazawa (1976, Prog. Theor. Phys. 56, 1756) as given by Tanigawa, Maruta & Machida (2014, ApJ 784, 109).
 

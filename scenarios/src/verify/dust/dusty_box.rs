@@ -9,7 +9,7 @@ use nbody::points::Vec3;
 
 use super::{Bar, Mixture, Row, Trial, mixtures};
 
-const STOPS: [f64; 5] = [0.0, 0.01, 0.05, 0.2, 1.0];
+const STOPS: [f64; 4] = [0.0, 0.05, 0.2, 1.0];
 
 /// Of the lattice of grains from that of the gas.
 const SHIFT: Vec3 = Vec3::new(0.017, 0.041, 0.029);
@@ -133,7 +133,7 @@ fn trial(case: &Case) -> Trial {
         })
         .collect();
     let text = format!(
-        "[run]\nend_time = 5\ntime_step = 0.05\n[units]\nsystem = \"dimensionless\"\n\
+        "[run]\nend_time = 1\ntime_step = 0.05\n[units]\nsystem = \"dimensionless\"\n\
          [domain]\nkind = \"periodic\"\nsize = [1, 1, 1]\n[gas.eos]\n{}\n\
          [[gas.block]]\n{lattice}density = 1\n{}{kinds}[dust.drag]\n{}",
         case.eos,
