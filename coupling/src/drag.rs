@@ -10,7 +10,6 @@
 //! Velocities are those predicted to this tick (`v_pred`): a closing half step ends now and its kick is in them, an opening one begins
 //! now and its kick is not; whether kick or drag is done first does not matter. The half step's kick itself is done elsewhere.
 
-mod agreement;
 mod block;
 mod booking;
 mod group;
@@ -44,9 +43,6 @@ pub enum Half {
     Opening,
 }
 
-/// Lack of agreement that is below the other errors of a step.
-pub const TOLERANCE: f64 = 1e-3;
-
 /// How drag acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -56,8 +52,6 @@ pub struct Settings {
     pub feedback: bool,
     /// Share of the frictional heat that the gas keeps; the rest is radiated.
     pub heat_share: f64,
-    /// What the grains' changes may lack of agreement among those that share their gas, by the changes.
-    pub tolerance: f64,
     /// Whether drag and the kick of the half step are solved together.
     pub joint: bool,
 }
@@ -70,7 +64,6 @@ impl Settings {
             reach,
             feedback: true,
             heat_share: 1.0,
-            tolerance: TOLERANCE,
             joint: true,
         }
     }
@@ -182,7 +175,6 @@ impl Exchange {
                 block.spread_impulse();
             });
             self.touched.sum(blocks, see);
-            agreement::settle(blocks, &mut self.touched, see, settings.tolerance);
         }
         let mut booking = Booking::default();
         for (block, members) in blocks.iter().zip(self.active.chunks(BLOCK)) {

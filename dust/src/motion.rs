@@ -43,8 +43,12 @@ impl Dust {
                 let (x, h) = (particles.x[i], particles.h[i]);
                 let pull = (gravity[i] - pacing.central(x)).norm();
                 let near = if h > 0.0 {
-                    let (pulled, crossed) = ((h / pull).sqrt(), crossing[i]);
-                    (parts.force * pulled).min(parts.courant * crossed)
+                    let pulled = parts.force * (h / pull).sqrt();
+                    // Without drag nobody looks for the gas around.
+                    match crossing[i] {
+                        0.0 => pulled,
+                        crossed => pulled.min(parts.courant * crossed),
+                    }
                 } else {
                     f64::INFINITY
                 };

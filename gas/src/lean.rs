@@ -74,12 +74,12 @@ impl Gas {
         let (mut v, mut u) = std::mem::take(&mut self.upright);
         v.clone_from(&self.rates.v_pred);
         u.clone_from(&self.rates.u_pred);
-        for j in 0..v.len() {
+        for (j, &u) in u.iter().enumerate() {
             let part = self.leaning(j, time);
             let r = &mut self.rates;
             r.v_pred[j] += part * r.drag_dv[j];
             // Heat that is still to come is none that could be missing: of what there is, half may be.
-            r.u_pred[j] = (u[j] + part * r.drag_du[j]).max(0.5 * u[j]);
+            r.u_pred[j] = (u + part * r.drag_du[j]).max(0.5 * u);
         }
         self.upright = (v, u);
     }

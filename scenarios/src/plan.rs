@@ -17,7 +17,7 @@ use nbody::points::{ColumnRef, Columns, Dimension, Keep};
 use crate::cost::{self, Cost, Sampled};
 use crate::document;
 use crate::outline;
-use crate::run::RunError;
+use crate::run::{REPORTS, RunError};
 use crate::scene::{Scene, Snapshots};
 use crate::thin::thinned;
 
@@ -66,7 +66,12 @@ impl Plan {
         let held = sets(system).map(|sets| sets.iter().map(|set| set.bytes()).sum::<usize>());
         let memory = PROGRAM + working(&scene, system, held) / part;
         let state = held.iter().sum::<usize>() as f64 / part;
-        let disk = disk(&scene, snapshot_bytes(&scene, system) / part, state);
+        let disk = disk(
+            &scene,
+            snapshot_bytes(&scene, system) / part,
+            state,
+            sampled.operators.len(),
+        );
         let plan = Self {
             cost,
             memory,
@@ -174,10 +179,13 @@ fn snapshots(scene: &Scene) -> f64 {
     }
 }
 
-/// Bytes that a run writes: snapshots of `each`, a checkpoint of `state`, and the layout and tables around them.
-fn disk(scene: &Scene, each: f64, state: f64) -> f64 {
+/// Bytes that a run writes: snapshots of `each`, a checkpoint of `state`, and the layout and tables around them; a line of a table for the sums, and
+/// about one and a half for each operator.
+fn disk(scene: &Scene, each: f64, state: f64, operators: usize) -> f64 {
     const LAYOUT: f64 = 3.2e4;
-    snapshots(scene) * (each + LAYOUT) + state + 2.0 * LAYOUT
+    const LINE: f64 = 200.0;
+    let report = (2.0 + 1.5 * operators as f64) * LINE;
+    snapshots(scene) * (each + LAYOUT) + state + 2.0 * LAYOUT + REPORTS * report
 }
 
 /// The plan of a scene's file in words.

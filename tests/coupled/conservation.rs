@@ -89,7 +89,10 @@ fn books_close(scene: &str, run: &Done) {
     let turning = scale[4].max(scale[5]).max(scale[6]);
     // What the surroundings or the frame take is in no population.
     let open = |name: &str| {
-        scene.contains("shearing") || ["disk", "migration"].iter().any(|w| name.contains(w))
+        scene.contains("shearing")
+            || ["disk", "migration", "stir"]
+                .iter()
+                .any(|w| name.contains(w))
     };
     for (name, sums) in residuals {
         if open(name) || scene.starts_with("gas/") {

@@ -31,7 +31,7 @@ struct Turn {
 
 #[derive(Clone, Debug, Default)]
 pub struct Block {
-    pub(super) rows: Vec<Row>,
+    rows: Vec<Row>,
     /// first pair of each row, and the end
     start: Vec<u32>,
     slot: Vec<u32>,
@@ -44,8 +44,6 @@ pub struct Block {
     pub place: Vec<u32>,
     /// sums over the pairs of each slot
     pub partial: Vec<Parcel>,
-    /// sums of the rows while they come to agree
-    pub(super) lack: [f64; 3],
     /// mean of the half steps of the rows
     pub half: f64,
     /// velocity and acceleration of each slot
@@ -53,7 +51,7 @@ pub struct Block {
 }
 
 /// Three columns from `first` on.
-pub(super) fn vector(columns: &[f64], first: usize) -> Vec3 {
+fn vector(columns: &[f64], first: usize) -> Vec3 {
     Vec3::new(columns[first], columns[first + 1], columns[first + 2])
 }
 
@@ -197,7 +195,7 @@ impl Block {
     }
 
     /// Fields of the slots, at a row: vectors in the first three of each four columns.
-    pub(super) fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
+    fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
         let mut sum = [0.0; N];
         for (slot, w) in self.pairs(row) {
             let value = &field[slot];
@@ -312,7 +310,7 @@ impl Block {
     }
 
     /// Spreads an impulse and a heat of each row over the slots.
-    pub(super) fn spread(&mut self, of: impl Fn(&Row) -> (Vec3, f64)) {
+    fn spread(&mut self, of: impl Fn(&Row) -> (Vec3, f64)) {
         self.partial.clear();
         self.partial.resize(self.gas.len(), [0.0; 4]);
         for k in 0..self.rows.len() {
@@ -347,16 +345,11 @@ impl Block {
         }
     }
 
-    /// Takes over what the gas has gained.
-    pub(super) fn hear_of(&mut self, touched: &super::Touched) {
+    /// Makes up for what the gas did beyond -eps dv.
+    pub fn refine(&mut self, touched: &super::Touched) {
         for (part, &place) in self.partial.iter_mut().zip(&self.place) {
             *part = touched.sums[place as usize];
         }
-    }
-
-    /// Makes up for what the gas did beyond -eps dv.
-    pub fn refine(&mut self, touched: &super::Touched) {
-        self.hear_of(touched);
         for k in 0..self.rows.len() {
             let gained = vector(&self.seen(k, &self.partial), 0);
             let row = &mut self.rows[k];

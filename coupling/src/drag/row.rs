@@ -26,12 +26,6 @@ pub struct Row {
     /// change and heat to be expected of the other half, if this one opens a step
     pub coming: Vec3,
     pub coming_heat: f64,
-    /// that change as if the gas answered with -eps times it
-    pub alone: Vec3,
-    /// what the change lacks of agreement with the other rows', the direction in which that is sought, and what comes of it
-    pub lack: Vec3,
-    pub search: Vec3,
-    pub image: Vec3,
     /// its change per velocity that the gas is found to have gained beyond -eps dv
     pub share: f64,
     /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
@@ -71,8 +65,7 @@ impl Row {
             // Half of what the kick leaves at the end stands for its effect on the stopping time.
             x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
         }
-        self.alone = change(x, start, kick) / load;
-        self.dv = self.alone;
+        self.dv = change(x, start, kick) / load;
         self.share = lag(x) / load;
         if half == Half::Opening {
             // The other half goes on from here, by the same kick.

@@ -28,7 +28,7 @@ const HISTORIES: [History; 3] = [
     ("events.csv", &EVENT_HEAD),
 ];
 
-/// The history that runs with planets have beside them.
+/// The history that runs with planets among gas, dust or planetesimals have beside them.
 const TORQUES: History = ("torques.csv", &torques::HEAD);
 
 /// The folder of a run with its open histories.
@@ -62,7 +62,10 @@ impl Folder {
     ) -> Result<Self, RunError> {
         let table = |k: usize, (name, head): History| open(&path.join(name), head, k);
         let [ledger, operators, events] = [0, 1, 2].map(|k| table(k, HISTORIES[k]));
-        let torques = (!scene.planets.is_empty()).then(|| table(HISTORIES.len(), TORQUES));
+        let small = scene.planetesimals.as_ref().map_or(0, |p| p.number);
+        let pulled = scene.gas.is_some() || scene.dust.is_some() || small > 0;
+        let pulled = pulled && !scene.planets.is_empty();
+        let torques = pulled.then(|| table(HISTORIES.len(), TORQUES));
         Ok(Self {
             path: path.to_path_buf(),
             ledger: ledger?,
