@@ -44,7 +44,11 @@ pub const PROBLEMS: &[Problem] = &[
         "growth of the streaming instability's mode linA, up to 24 particles a wavelength (Youdin & Johansen 2007); about 2 minutes",
         streaming::lin_a,
     ),
-    own("dust-streaming-b", "the same of linB, up to 32 particles a wavelength", streaming::lin_b),
+    own(
+        "dust-streaming-b",
+        "the same of linB, up to 32 particles a wavelength",
+        streaming::lin_b,
+    ),
     own(
         "dust-cost",
         "cost of drag for 1e6 superparticles in 1e5 gas particles; about 20 seconds",
