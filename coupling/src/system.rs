@@ -224,6 +224,16 @@ impl System {
         self.clock.synchronous() || end == self.clock.tick
     }
 
+    /// Lists the places of the dust whose step ends now.
+    pub(crate) fn list_active_dust(&self, places: &mut Vec<u32>) {
+        places.clear();
+        let ends = self.dust.particles.end.iter().enumerate();
+        places.extend(
+            ends.filter(|(_, end)| self.active(**end))
+                .map(|(i, _)| i as u32),
+        );
+    }
+
     /// Whether star and bodies are active now.
     pub fn bodies_active(&self) -> bool {
         self.active(self.pace.end)

@@ -1,14 +1,9 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
 mod dust;
-mod dust_nsh;
-mod dust_radial_drift;
-mod dust_settling;
-mod dust_settling_diffusion;
 mod field_steps;
 mod gammie;
 pub mod gas;
-mod growth;
 mod inner_edge;
 mod orbits;
 pub mod ring;
@@ -250,36 +245,6 @@ pub const PROBLEMS: &[Problem] = &[
         "stirring-two-masses",
         "stirring and dynamical friction between two populations over 100 orbits, 3 runs; about 4 minutes",
         stirring::two_masses,
-    ),
-    own(
-        "dust-settling",
-        "grains and a layer that settle, in gas that is a formula and among 60 000 gas particles; about 1 minute",
-        dust_settling::rows,
-    ),
-    own(
-        "dust-radial-drift",
-        "radial drift in gas that is a formula and among 20 000 gas particles; about 1 minute",
-        dust_radial_drift::rows,
-    ),
-    own(
-        "dust-settling-diffusion",
-        "layers in balance of settling and turbulent stirring; about 2 minutes",
-        dust_settling_diffusion::rows,
-    ),
-    own(
-        "dust-nsh",
-        "drift of gas and grains of one and of several sizes through each other in a shearing box; about 2 seconds",
-        dust_nsh::rows,
-    ),
-    own(
-        "dust-smoluchowski",
-        "coagulation with a constant rate, the sum and the product of the masses, 10 runs of 10 000 swarms of equal and of unequal mass; about 2 minutes",
-        growth::smoluchowski,
-    ),
-    own(
-        "dust-growth-barriers",
-        "grains that grow in turbulence until they break, against Birnstiel, Klahr & Ercolano (2012); about 1 minute",
-        growth::barriers,
     ),
     of_scheme(
         "gas-sod",

@@ -86,13 +86,7 @@ impl Operator for DustDrag {
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Drag);
-        self.active.clear();
-        let ends = &system.dust.particles.end;
-        self.active.extend(
-            (0..ends.len())
-                .filter(|&i| system.active(ends[i]))
-                .map(|i| i as u32),
-        );
+        system.list_active_dust(&mut self.active);
         limit(&mut self.exchange, system);
         let star = Star::of(system);
         let mut grains = Grains {

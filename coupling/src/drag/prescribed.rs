@@ -162,13 +162,7 @@ impl Operator for DustInDisk {
     }
 
     fn prepare(&mut self, system: &mut System, _: &mut dyn Meter) -> Result<(), Fault> {
-        let ends = &system.dust.particles.end;
-        self.active.clear();
-        self.active.extend(
-            (0..ends.len())
-                .filter(|&i| system.active(ends[i]))
-                .map(|i| i as u32),
-        );
+        system.list_active_dust(&mut self.active);
         Ok(())
     }
 

@@ -55,12 +55,7 @@ impl Operator for KickDust {
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Dust);
         let pacing = self.pacing.of(system);
-        let ends = system.dust.particles.end.iter().enumerate();
-        self.active.clear();
-        self.active.extend(
-            ends.filter(|(_, end)| system.active(**end))
-                .map(|(i, _)| i as u32),
-        );
+        system.list_active_dust(&mut self.active);
         system
             .dust
             .steps(&pacing, self.parts, &system.clock, &system.next)?;

@@ -2,6 +2,11 @@
 
 mod cost;
 mod dusty_box;
+mod growth;
+mod nsh;
+mod radial_drift;
+mod settling;
+mod settling_diffusion;
 mod shock;
 mod sod;
 mod streaming;
@@ -48,6 +53,36 @@ pub const PROBLEMS: &[Problem] = &[
         "dust-streaming-b",
         "the same of linB, up to 32 particles a wavelength",
         streaming::lin_b,
+    ),
+    own(
+        "dust-settling",
+        "grains and a layer that settle, in gas that is a formula and among 60 000 gas particles; about 1 minute",
+        settling::rows,
+    ),
+    own(
+        "dust-radial-drift",
+        "radial drift in gas that is a formula and among 20 000 gas particles; about 1 minute",
+        radial_drift::rows,
+    ),
+    own(
+        "dust-settling-diffusion",
+        "layers in balance of settling and turbulent stirring; about 2 minutes",
+        settling_diffusion::rows,
+    ),
+    own(
+        "dust-nsh",
+        "drift of gas and grains of one and of several sizes through each other in a shearing box; about 2 seconds",
+        nsh::rows,
+    ),
+    own(
+        "dust-smoluchowski",
+        "coagulation with a constant rate, the sum and the product of the masses, 10 runs of 10 000 swarms of equal and of unequal mass; about 2 minutes",
+        growth::smoluchowski,
+    ),
+    own(
+        "dust-growth-barriers",
+        "grains that grow in turbulence until they break, against Birnstiel, Klahr & Ercolano (2012); about 1 minute",
+        growth::barriers,
     ),
     own(
         "dust-cost",

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use gas::probe::{Probe, Reach};
 use nbody::points::Vec3;
 
-use super::dust_settling::LAYER;
+use super::settling::LAYER;
 use super::{Bar, Row};
 use crate::trial::Trial;
 
