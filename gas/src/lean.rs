@@ -66,20 +66,26 @@ impl Gas {
         seen
     }
 
-    /// Shows the sweeps at `time` the gas as if drag had acted evenly.
-    pub fn lean(&mut self, time: f64) {
+    /// Shows the sweeps at `time` the gas as if drag had acted evenly; its heat, too, unless the gas is bound to a temperature, which is then
+    /// the sweeps' to set.
+    pub fn lean(&mut self, time: f64, bound: bool) {
         if self.rates.drag_dv.is_empty() {
             return;
         }
         let (mut v, mut u) = std::mem::take(&mut self.upright);
         v.clone_from(&self.rates.v_pred);
-        u.clone_from(&self.rates.u_pred);
-        for (j, &u) in u.iter().enumerate() {
+        u.clear();
+        if !bound {
+            u.extend_from_slice(&self.rates.u_pred);
+        }
+        for j in 0..v.len() {
             let part = self.leaning(j, time);
             let r = &mut self.rates;
             r.v_pred[j] += part * r.drag_dv[j];
-            // Heat that is still to come is none that could be missing: of what there is, half may be.
-            r.u_pred[j] = (u + part * r.drag_du[j]).max(0.5 * u);
+            if let Some(&u) = u.get(j) {
+                // Heat that is still to come is none that could be missing: of what there is, half may be.
+                r.u_pred[j] = (u + part * r.drag_du[j]).max(0.5 * u);
+            }
         }
         self.upright = (v, u);
     }
@@ -90,7 +96,9 @@ impl Gas {
             return;
         }
         std::mem::swap(&mut self.rates.v_pred, &mut self.upright.0);
-        std::mem::swap(&mut self.rates.u_pred, &mut self.upright.1);
+        if !self.upright.1.is_empty() {
+            std::mem::swap(&mut self.rates.u_pred, &mut self.upright.1);
+        }
     }
 }
 
@@ -115,7 +123,7 @@ mod tests {
         };
         gas.expect_impulse(0, 3.0, coming);
         for (time, seen) in [(3.0, -1.0), (3.25, 0.0), (3.5, 1.0), (3.6, 0.0)] {
-            gas.lean(time);
+            gas.lean(time, false);
             assert_eq!(
                 gas.rates.v_pred,
                 [seen * Vec3::x(), Vec3::zeros()],
@@ -126,7 +134,24 @@ mod tests {
             assert_eq!(gas.rates.v_pred, [Vec3::zeros(); 2]);
         }
         gas.expect_impulse(0, 3.0, coming);
-        gas.lean(3.5);
+        gas.lean(3.5, false);
         assert_eq!(gas.rates.v_pred[0], 2.0 * Vec3::x());
+    }
+    #[test]
+    fn what_sweeps_make_of_a_bound_temperature_stays() {
+        let mut particles = Particles::default();
+        particles.resize(1);
+        let mut gas = Gas::new(particles);
+        gas.rates.u_pred.fill(1.0);
+        gas.expect_drag();
+        let (dv, du) = (Vec3::x(), 0.5);
+        gas.expect_impulse(0, 3.0, Coming { dv, du, half: 0.25 });
+        gas.lean(3.5, true);
+        assert_eq!(gas.rates.v_pred, [dv]);
+        assert_eq!(gas.rates.u_pred, [1.0]);
+        gas.rates.u_pred[0] = 0.7;
+        gas.stand_upright();
+        assert_eq!(gas.rates.v_pred, [Vec3::zeros()]);
+        assert_eq!(gas.rates.u_pred, [0.7]);
     }
 }

@@ -33,7 +33,8 @@ impl Operator for Density {
             .copied()
             .unwrap_or_else(Vec3::zeros);
         self.hydro.domain = system.domain;
-        system.gas.lean(system.clock.time());
+        let bound = !self.hydro.eos.is_free();
+        system.gas.lean(system.clock.time(), bound);
         let targets = system.gas.density(&self.hydro, &system.clock, centre)?;
         meter.count(targets, 0);
         Ok(())
