@@ -34,6 +34,8 @@ pub struct Hydro {
     pub physical: Physical,
     /// Without effect on gas that is bound to a temperature.
     pub conduction: Conduction,
+    /// A uniform pressure that forces leave out, since its gradient is none: sums of it over particles out of order are not.
+    pub background_pressure: f64,
     /// C in dt <= 2 C h / v_sig; v_sig is about twice the sound speed.
     pub courant: f64,
     /// C in dt <= C sqrt(h / |acceleration|).
@@ -65,6 +67,7 @@ impl Hydro {
             },
             physical: Physical::None,
             conduction: Conduction::NONE,
+            background_pressure: 0.0,
             courant: 0.25,
             force_factor: 0.25,
             limiter: 4,
@@ -115,6 +118,14 @@ impl Hydro {
 
     /// The setting that others of these rule out, and why.
     pub fn clashing(&self) -> Option<(&'static str, &'static str)> {
+        if self.background_pressure > 0.0
+            && (self.formulation.weighs_energy() || self.eos.is_free())
+        {
+            return Some((
+                "hydro.background_pressure",
+                "is left out of the forces of gas that is bound to a temperature, where formulation = \"density\" or \"number-density\"",
+            ));
+        }
         match self.formulation {
             Formulation::Smoothed if self.gradient == Gradient::Matrix => Some((
                 "hydro.gradient",

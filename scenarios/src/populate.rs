@@ -77,6 +77,7 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
         kernel: gas.hydro.kernel,
         neighbours: gas.hydro.neighbours,
         tolerance: gas.hydro.tolerance,
+        background_pressure: gas.hydro.background_pressure,
         precision: gas.hydro.precision,
         formulation: gas.hydro.formulation,
         exponent: gas.hydro.exponent,

@@ -278,6 +278,8 @@ pub struct Hydro {
     /// Relative error of the neighbour number at which the smoothing length is found.
     pub tolerance: f64,
     pub precision: Precision,
+    /// Pressure that forces leave out.
+    pub background_pressure: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -76,7 +76,8 @@ impl Pack<'_> {
         let (derived, units) = (self.derived, &self.units);
         let power = self.hydro.dimensions() as i32;
         let rho = derived.rho[i] * (units.length.powi(power) / units.mass);
-        let specific = derived.p[i] / (derived.rho[i] * units.velocity * units.velocity);
+        let p = derived.p[i] - self.hydro.background_pressure;
+        let specific = p / (derived.rho[i] * units.velocity * units.velocity);
         (rho, self.hydro.floored(specific))
     }
 

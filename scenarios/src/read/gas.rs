@@ -320,6 +320,7 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
     let neighbours = section.number("neighbours", NEIGHBOURS);
     let courant = section.number("courant", Range::FRACTION);
     let tolerance = section.number("tolerance", TOLERANCE);
+    let background = section.quantity("background_pressure", facts.pressure(), Range::NOT_NEGATIVE);
     let precisions = [("single", Precision::Single), ("double", Precision::Double)];
     let precision = section.choice("precision", &precisions, &[]);
     section.close();
@@ -333,6 +334,7 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         courant: courant.unwrap_or(facts.preset.values().courant),
         tolerance: tolerance.unwrap_or(facts.preset.values().tolerance),
         precision: precision.unwrap_or(Precision::Double),
+        background_pressure: background.unwrap_or(0.0),
     }
 }
 

@@ -165,6 +165,9 @@ fn write_hydro(text: &mut Text, hydro: &Hydro) {
     text.number("neighbours", hydro.neighbours);
     text.number("courant", hydro.courant);
     text.number("tolerance", hydro.tolerance);
+    if hydro.background_pressure > 0.0 {
+        text.number("background_pressure", hydro.background_pressure);
+    }
     text.text(
         "precision",
         match hydro.precision {

@@ -28,6 +28,10 @@ headwind = 0.05
 [gas.eos]
 kind = "isothermal"
 sound_speed = 1.0
+[gas.hydro]
+kernel = "wendland-c6"
+neighbours = 60
+background_pressure = 1.0
 [gas.viscosity]
 kind = "none"
 [dust.drag]
