@@ -413,3 +413,35 @@ fn check_half(hydro: &Hydro) {
     );
     assert_eq!(gas.rates.non_finite(), None);
 }
+
+/// Largest acceleration in a sheared lattice of gas at the pressure 1, of which forces leave out `background`.
+fn elastic(background_pressure: f64) -> f64 {
+    let domain = Domain::periodic(Vec3::repeat(1.0)).with_axes([true, true, false]);
+    let n = 24;
+    let spacing = 1.0 / n as f64;
+    let mut x = lattice([n, n, 1], spacing);
+    for x in &mut x {
+        x.y += 0.2 * spacing * (std::f64::consts::TAU * x.x).sin();
+    }
+    let hydro = Hydro {
+        background_pressure,
+        viscosity: Viscosity::None,
+        ..Hydro::new(
+            domain,
+            crate::Eos::Isothermal {
+                sound_speed: 1.0,
+                gamma: GAMMA,
+            },
+        )
+    };
+    let gas = pushed(Gas::new(still(x, spacing * spacing, 1.0)), &hydro);
+    gas.rates.hydro.iter().map(|a| a.norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_sheared_lattice_is_elastic_unless_forces_leave_out_its_pressure() {
+    // Of shear at constant density nothing is left but what the sums of density see of it.
+    let (whole, rest) = (elastic(0.0), elastic(1.0));
+    println!("{whole:e} {rest:e}");
+    assert!(whole > 0.0 && rest < 0.02 * whole, "{rest:e} of {whole:e}");
+}

@@ -46,12 +46,12 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     own(
         "dust-streaming-a",
-        "growth of the streaming instability's mode linA, up to 24 particles a wavelength (Youdin & Johansen 2007); about 2 minutes",
+        "growth of the streaming instability's mode linA, up to 32 particles a wavelength (Youdin & Johansen 2007); about 3 minutes",
         streaming::lin_a,
     ),
     own(
         "dust-streaming-b",
-        "the same of linB, up to 32 particles a wavelength",
+        "the same of linB, up to 24 particles a wavelength; about 2 minutes",
         streaming::lin_b,
     ),
     own(

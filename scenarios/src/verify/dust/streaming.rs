@@ -3,7 +3,8 @@
 //!
 //! Background: Nakagawa, Sekiya & Hayashi (1986); the mode ~ Re[A f exp(lambda t + i k x)], one oblique wave in a box of a wavelength a side, k = K Omega / eta v_K;
 //! f and lambda are those of the linearised equations of compressible isothermal gas and pressureless dust, c = 20 eta v_K. Displaced by
-//! xi = i k delta / k^2 from square lattices. Measured: slope and phase of ln (2/N sum_j exp(-i k x_j)) of the dust, least squares.
+//! xi = i k delta / k^2 from square lattices. Forces leave out the pressure of the gas at rest: sums of it make a lattice of particles elastic,
+//! with shear waves that are faster (0.08 c with 20 neighbours) than anything in the mode; a wide kernel does the rest. Measured: slope and phase of ln (2/N sum_j exp(-i k x_j)) of the dust, least squares.
 
 use std::f64::consts::TAU;
 
@@ -254,9 +255,9 @@ fn rows(mode: &Mode, sides: &[usize], [good, acceptable]: [f64; 2]) -> Vec<Row> 
 }
 
 pub fn lin_a() -> Vec<Row> {
-    rows(&LIN_A, &[16, 24], [0.05, 0.25])
+    rows(&LIN_A, &[16, 24, 32], [0.05, 0.25])
 }
 
 pub fn lin_b() -> Vec<Row> {
-    rows(&LIN_B, &[16, 24, 32], [0.1, 0.25])
+    rows(&LIN_B, &[16, 24], [0.1, 0.25])
 }
