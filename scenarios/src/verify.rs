@@ -1,5 +1,6 @@
 //! Verification: built-in problems of physics that take longer than a test should, against their exact or published answers.
 
+mod coupling;
 mod dust;
 mod field_steps;
 mod gammie;
@@ -320,7 +321,7 @@ pub const PROBLEMS: &[Problem] = &[
 ];
 
 /// The lists of all problems, in the order in which they run.
-const LISTS: [&[Problem]; 2] = [PROBLEMS, dust::PROBLEMS];
+const LISTS: [&[Problem]; 3] = [PROBLEMS, dust::PROBLEMS, coupling::PROBLEMS];
 
 /// Names of groups: each means all problems whose names begin with it and a dash.
 const GROUPS: [&str; 3] = ["gas", "dust", "coupling"];

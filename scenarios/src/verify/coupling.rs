@@ -1,0 +1,11 @@
+//! Problems of bodies among gas: what gas does to their orbits, by drag and by gravity.
+
+mod friction;
+
+use super::{Problem, own};
+
+pub const PROBLEMS: &[Problem] = &[own(
+    "coupling-friction",
+    "dynamical friction of a planet in uniform gas, at four Mach numbers (Ostriker 1999); about 7 minutes",
+    friction::rows,
+)];
