@@ -6,7 +6,8 @@
 //! ln(1 - 1/m^2)/2 + ln(V t / r_min) above it; a Plummer sphere acts as r_min = 2.25 epsilon (Sanchez-Salcedo & Brandenburg 1999, ApJ 522, L35).
 //! Gas that does not pull itself, in a cube whose edges no wave has come back from, GM / (c^2 epsilon) = 0.05, and so thin that its own pull changes
 //! little on the way by which the planet lags. Measured is the braking between two times, by the velocities of the planet and of one a million
-//! times lighter in the same gas, which feels the cube alone.
+//! times lighter in the same gas, which feels the cube alone. Forces leave out the pressure at rest, without which a lattice is elastic: its
+//! longitudinal waves are then 4 % faster than sound, and friction below the speed of sound is 11 % too weak at any number of particles.
 //! Source: Ostriker (1999), ApJ 513, 252, equations 11, 14, 15.
 
 use std::f64::consts::PI;
@@ -24,6 +25,8 @@ softening = 0.05
 [gas.eos]
 kind = "isothermal"
 sound_speed = 1.0
+[gas.hydro]
+background_pressure = 1e-3
 [gas.viscosity]
 kind = "none"
 [gravity]
@@ -111,22 +114,17 @@ fn mean(force: impl Fn(f64) -> f64) -> f64 {
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     for mach in MACH {
-        for spacing in [1.0 / 32.0, 1.0 / 48.0] {
-            let found = measured(mach, spacing);
-            let value = mean(|t| linear(mach, SOFTENING, t));
-            let bar = Bar::Reference {
-                value,
-                good: 0.05,
-                acceptable: 0.15,
-            };
-            rows.push(Row::new(
-                format!(
-                    "m = {mach}, {:.0} particles across 1, F c^2/(4 pi G^2 M^2 rho)",
-                    1.0 / spacing
-                ),
-                found,
-                bar,
-            ));
+        let value = mean(|t| linear(mach, SOFTENING, t));
+        // The fewer particles show how it converges.
+        let bar = Bar::Reference {
+            value,
+            good: 0.05,
+            acceptable: 0.15,
+        };
+        for (across, bar) in [(32, Bar::None), (48, bar)] {
+            let found = measured(mach, 1.0 / f64::from(across));
+            let what = format!("m = {mach}, {across} particles across 1: F c^2/(4 pi G^2 M^2 rho)");
+            rows.push(Row::new(what, found, bar));
         }
     }
     rows
