@@ -24,6 +24,7 @@ use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::Columns;
 
+use crate::memory;
 use crate::populate;
 use crate::run::REPORTS;
 use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep};
@@ -39,6 +40,7 @@ pub struct Assembly {
 
 /// Places all particles and bodies of a scene at its start.
 pub fn start(scene: &Scene) -> Result<System, populate::Refusal> {
+    memory::fits(scene)?;
     let mut system = System::new(scene.domain, scene.gravity.constant, 0.0);
     populate::fill(scene, &mut system)?;
     system.number_on();
