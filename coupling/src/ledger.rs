@@ -277,6 +277,8 @@ impl Ledger {
     pub fn open(&mut self, system: Census, potential: f64) {
         // Heat that brought the gas to its prescribed temperature came before the start.
         self.radiated = 0.0;
+        // So did what the star swallowed at once.
+        self.dissipated = 0.0;
         // And so did momentum that crossing faces gave to what was placed outside of them.
         self.given_away = Totals::default();
         // What closed before the first step began had no step to close.

@@ -22,7 +22,7 @@ use dust::motion::Parts;
 use nbody::gravity as solver;
 use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
-use nbody::points::Columns;
+use nbody::points::{Columns, Population};
 
 use crate::memory;
 use crate::populate;
@@ -43,6 +43,17 @@ pub fn start(scene: &Scene) -> Result<System, populate::Refusal> {
     memory::fits(scene)?;
     let mut system = System::new(scene.domain, scene.gravity.constant, 0.0);
     populate::fill(scene, &mut system)?;
+    if [
+        system.star.len(),
+        system.bodies.len(),
+        system.gas.len(),
+        system.dust.len(),
+    ] == [0; 4]
+    {
+        let sentence =
+            "there is nothing to model: the scene's tables and its file have no particles";
+        return Err(populate::Refusal(sentence.to_owned()));
+    }
     system.number_on();
     system.look();
     Ok(system)
@@ -54,6 +65,8 @@ pub fn assembly(scene: &Scene, mut system: System) -> Result<Assembly, populate:
     let integrator = integrator(scene, &mut system, &mut remarks);
     system.star_in_kick = integrator == Integrator::Leapfrog;
     if system.clock.step == 0 {
+        Accretion::default().begin(&mut system);
+        separate(&system)?;
         system.bodies_step = bodies_step(scene, &system, integrator);
         system.longest = match scene.run.time_step {
             TimeStep::Fixed(dt) => dt,
@@ -74,6 +87,33 @@ pub fn assembly(scene: &Scene, mut system: System) -> Result<Assembly, populate:
         splitting,
         remarks,
     })
+}
+
+/// Refuses who stands at the very place of the star, where its pull has no value.
+fn separate(system: &System) -> Result<(), populate::Refusal> {
+    let Some(centre) = system.star.x.first() else {
+        return Ok(());
+    };
+    let (gas, dust, bodies) = (
+        &system.gas.particles,
+        &system.dust.particles,
+        &system.bodies,
+    );
+    let sets = [
+        (Population::Gas, &gas.x, &gas.id),
+        (Population::Dust, &dust.x, &dust.id),
+        (Population::Planetesimals, &bodies.x, &bodies.id),
+    ];
+    for (population, x, id) in sets {
+        // Closer than any square of a distance says.
+        if let Some(i) = x.iter().position(|x| (x - centre).norm_squared() == 0.0) {
+            return Err(populate::Refusal(format!(
+                "{population} particle {} stands at the very place of the star, where its pull has no value: move it, or give star.accretion_radius",
+                id[i]
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses steps of which a run would need more than it can do.

@@ -27,13 +27,19 @@ pub fn fits(scene: &Scene) -> Result<(), Refusal> {
     });
     let bodies = scene.planetesimals.map_or(0.0, |p| p.number as f64);
     let numbers = [gas, dust, bodies];
-    let needed: f64 = LEAST.iter().zip(numbers).map(|((_, each), n)| each * n).sum();
+    let needed: f64 = LEAST
+        .iter()
+        .zip(numbers)
+        .map(|((_, each), n)| each * n)
+        .sum();
     let has = physical();
     if needed <= has {
         return Ok(());
     }
     let named = LEAST.iter().zip(numbers).filter(|(_, n)| *n > 0.0);
-    let named: Vec<String> = named.map(|((name, _), n)| format!("{n:.0} {name}")).collect();
+    let named: Vec<String> = named
+        .map(|((name, _), n)| format!("{n:.0} {name}"))
+        .collect();
     Err(Refusal(format!(
         "{} need at least {:.0} GB of memory, but this machine has {:.0} GB",
         named.join(", "),
@@ -45,7 +51,8 @@ pub fn fits(scene: &Scene) -> Result<(), Refusal> {
 /// Bytes of memory of this machine; without end where it does not say.
 fn physical() -> f64 {
     // SAFETY: asks for two numbers.
-    let [pages, size] = [libc::_SC_PHYS_PAGES, libc::_SC_PAGESIZE].map(|of| unsafe { libc::sysconf(of) });
+    let [pages, size] =
+        [libc::_SC_PHYS_PAGES, libc::_SC_PAGESIZE].map(|of| unsafe { libc::sysconf(of) });
     if pages > 0 && size > 0 {
         pages as f64 * size as f64
     } else {

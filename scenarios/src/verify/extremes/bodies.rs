@@ -97,11 +97,19 @@ fn orbits(cases: &mut Vec<Case>) {
         let text = scene(2.0, &bodies(name, &[flying]));
         let case = Case::new(format!("past the star at v = 1e6, {name}"), text);
         // Deflected by 2/(b v) = 4e-6; the maps' orbits are wrong by a rounding of (r0/q)^2, the step before being of 2e4.
-        let bar = if MAPS[1..].contains(&name) { 2e-2 } else { 1e-8 };
+        let bar = if MAPS[1..].contains(&name) {
+            2e-2
+        } else {
+            1e-8
+        };
         let exact = Vec3::new(1e6, 0.5 - 4e-6, 0.0);
         let place = move |end: &End| (end.rows(1).x[0] - exact).norm();
         if name != "leapfrog" {
-            cases.push(case.energy(1e-14).momentum(1e-14).figure("place", bar, place));
+            cases.push(
+                case.energy(1e-14)
+                    .momentum(1e-14)
+                    .figure("place", bar, place),
+            );
         }
     }
     for name in ALL {
@@ -171,10 +179,12 @@ fn masses(cases: &mut Vec<Case>) {
         ];
         let text = scene(1.0, &bodies(name, &denormal));
         cases.push(Case::new(format!("denormal masses and velocities, {name}"), text).left(2));
-        let text = star(5e-324)
-            + &integrator(name)
-            + &planet(1e-3, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-        let case = Case::new(format!("a star of denormal mass, {name}"), scene(1.0, &text));
+        let text =
+            star(5e-324) + &integrator(name) + &planet(1e-3, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let case = Case::new(
+            format!("a star of denormal mass, {name}"),
+            scene(1.0, &text),
+        );
         cases.push(case.energy(1e-14).figure("place", 1e-14, |end| {
             (end.rows(1).x[0] - Vec3::new(1.0, 1.0, 0.0)).norm()
         }));

@@ -17,7 +17,10 @@ fn start() -> Start {
         let v = [0.1 * Vec3::y(), 0.1 * Vec3::x()];
         start = start.and(kind, &x, &v, &[1e-6; 2]);
     }
-    for (kind, name) in COLUMNS.iter().filter(|(_, name)| !["Coordinates", "Velocities", "Masses"].contains(name)) {
+    for (kind, name) in COLUMNS
+        .iter()
+        .filter(|(_, name)| !["Coordinates", "Velocities", "Masses"].contains(name))
+    {
         start = match *name {
             "Spins" => start.with(*kind, name, Array::Vector(vec![Vec3::zeros(); 2])),
             "Compositions" => start.with(*kind, name, Array::Vector(vec![Vec3::x(); 2])),
@@ -48,9 +51,21 @@ const COLUMNS: [(usize, &str); 17] = [
 ];
 
 pub fn cases() -> Vec<Case> {
-    let mut cases = vec![Case::new("two of each population", scene(0.1, ALL)).from(start()).left(6)];
+    let mut cases = vec![
+        Case::new("two of each population", scene(0.1, ALL))
+            .from(start())
+            .left(6),
+    ];
     for (kind, name) in COLUMNS {
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e200, -1e200, -1.0, 1e-320] {
+        for value in [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            1e200,
+            -1e200,
+            -1.0,
+            1e-320,
+        ] {
             let what = format!("{value:e} in PartType{kind}/{name}");
             cases.push(Case::new(what, scene(0.1, ALL)).from(start().spoiled(kind, name, value)));
         }
@@ -58,12 +73,21 @@ pub fn cases() -> Vec<Case> {
     for ids in [[u64::MAX, 1], [0, 0], [0, 7], [u64::MAX - 1, u64::MAX]] {
         for kind in 0..3 {
             let spoiled = start().with(kind, "ParticleIDs", Array::Integer(ids.to_vec()));
-            cases.push(Case::new(format!("identities {ids:?} of PartType{kind}"), scene(0.1, ALL)).from(spoiled));
+            cases.push(
+                Case::new(
+                    format!("identities {ids:?} of PartType{kind}"),
+                    scene(0.1, ALL),
+                )
+                .from(spoiled),
+            );
         }
     }
     let short = start().reals(0, "Masses", &[1.0]);
     cases.push(Case::new("one mass of two", scene(0.1, ALL)).from(short));
-    let half = ALL.replace("[dust]\n", "").replace("[dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = 0.1\n", "");
+    let half = ALL.replace("[dust]\n", "").replace(
+        "[dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = 0.1\n",
+        "",
+    );
     cases.push(Case::new("dust of a file beside a scene without", scene(0.1, &half)).from(start()));
     cases
 }
