@@ -7,7 +7,7 @@ mod output;
 mod saved;
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use coupling::ledger::Census;
 use coupling::{Meter, Phase, Splitting, System};
@@ -149,7 +149,7 @@ impl Run {
                     self.finish()?;
                     return Ok(Outcome::Interrupted(signal));
                 }
-                if self.saved.elapsed() >= Duration::from_secs_f64(self.scene.run.checkpoint)
+                if self.saved.elapsed().as_secs_f64() >= self.scene.run.checkpoint
                     || now >= self.schedule.end
                 {
                     self.checkpoint()?;

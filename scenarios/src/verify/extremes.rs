@@ -2,6 +2,7 @@
 
 mod bodies;
 pub(super) mod case;
+mod disks;
 mod dust;
 mod files;
 mod gas;
@@ -38,6 +39,11 @@ pub const PROBLEMS: &[Problem] = &[
         "extremes-gas",
         "gas of any speed, density, size, number and cooling",
         gas::cases,
+    ),
+    of(
+        "extremes-disks",
+        "gas disks of any cooling, viscosity, thickness and width",
+        disks::cases,
     ),
     of(
         "extremes-dust",

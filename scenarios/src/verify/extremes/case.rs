@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::snapshot::{self, Contents, Particles};
 
 /// Wall-clock time after which a case counts as one that does not end, s.
-const PATIENCE: u64 = 12;
+const PATIENCE: u64 = 40;
 
 /// The largest relative error of the mass of any case.
 const MASS: f64 = 1e-13;
@@ -73,7 +73,7 @@ enum Holds {
     /// The run ends, and every figure is within its bar.
     Ends(Vec<Bound>),
     /// The scene is refused, or the run fails, in these words, in which `~` stands for anything.
-    Refused(&'static str),
+    Refused(String),
 }
 
 pub struct Case {
@@ -110,10 +110,10 @@ impl Case {
     pub fn refused(
         name: impl Into<String>,
         text: impl Into<String>,
-        sentence: &'static str,
+        sentence: impl Into<String>,
     ) -> Self {
         Self {
-            holds: Holds::Refused(sentence),
+            holds: Holds::Refused(sentence.into()),
             ..Self::new(name, text)
         }
     }
