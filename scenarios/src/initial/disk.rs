@@ -214,6 +214,16 @@ impl Disk {
             let sentence = "its slope, exponent, taper and reference radius make a mass or a height that is no number";
             return Some(sentence.to_owned());
         }
+        for part in [0.0, 0.5, 1.0] {
+            let radius = layer.radius(part);
+            if !self
+                .rotation(Vec3::new(radius, 0.0, 0.0), 0.0)
+                .y
+                .is_finite()
+            {
+                return Some(format!("its pressure leaves no rotation at {radius:e}"));
+            }
+        }
         None
     }
 

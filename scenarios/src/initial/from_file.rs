@@ -12,6 +12,9 @@ use crate::reader::MOST;
 use crate::scene::{Scene, Sizes};
 use crate::snapshot::{self, Particles as Rows};
 
+/// The largest smoothing length by the shortest side of a periodic box: a search meets as many images along each axis.
+const MOST_BOXES: f64 = 10.0;
+
 /// The largest identity of a file: half of all.
 const MOST_ID: u64 = u64::MAX / 2;
 
@@ -139,6 +142,14 @@ fn gas(rows: &Rows, scene: &Scene) -> Result<Particles, String> {
         );
     }
     let mut h = column(rows, "SmoothingLengths");
+    let periods = (0..3).map(|axis| scene.domain.period(axis));
+    let shortest = periods.filter(|&p| p > 0.0).fold(f64::INFINITY, f64::min);
+    if let Some(i) = h.iter().position(|&h| h > MOST_BOXES * shortest) {
+        return Err(format!(
+            "SmoothingLengths: entry {i} (from 0) is {:e}, more than {MOST_BOXES} times the periodic box",
+            h[i]
+        ));
+    }
     if h.is_empty() {
         h = vec![guess(rows, scene, hydro.support(), hydro.neighbours); rows.len()];
     }

@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::snapshot::{self, Contents, Particles};
 
 /// Wall-clock time after which a case counts as one that does not end, s.
-const PATIENCE: u64 = 40;
+const PATIENCE: u64 = 200;
 
 /// The largest relative error of the mass of any case.
 const MASS: f64 = 1e-13;

@@ -57,8 +57,9 @@ fn on_the_star(cases: &mut Vec<Case>) {
         }
         let aside = ball(Vec3::repeat(0.005));
         let what = format!("gas and dust about the star{how}");
+        let soon = text("0").replace("end_time = 1e-3", "end_time = 1e-4");
         cases.push(
-            Case::new(what, text("0"))
+            Case::new(what, soon)
                 .from(aside.clone())
                 .momentum(1e-12)
                 .left(250),
@@ -108,10 +109,7 @@ fn on_planets(cases: &mut Vec<Case>) {
         let planet = |mass: &str| {
             format!("[[planet]]\nmass = {mass}\nposition = [1, 0, 0]\nvelocity = [0, 1, 0]\n")
         };
-        for mass in ["1e-3", "0", "1e-24", "1e6"] {
-            if mass == "1e6" && name != "leapfrog" && name != "gauss-radau" {
-                continue;
-            }
+        for mass in ["1e-3", "0", "1e-24"] {
             let text = scene(1e-3, &(head("0") + FLUIDS + &planet(mass)));
             let what = format!("a planet of {mass} at the very place of gas and dust, {name}");
             let case = Case::new(what, text).from(ball(Vec3::x()));
