@@ -64,6 +64,36 @@ impl Operator for Accretion {
             return Ok(false);
         }
         system.gas.arrive(&system.domain, &system.clock);
+        self.swallow(system);
+        Ok(true)
+    }
+}
+
+impl Accretion {
+    /// Removes what lies within the accretion radius before the first step, which could not be short enough there.
+    pub fn begin(&mut self, system: &mut System) {
+        let Some((&centre, &radius)) = system.star.x.first().zip(system.star.radius.first()) else {
+            return;
+        };
+        let places = [
+            &system.gas.particles.x,
+            &system.dust.particles.x,
+            &system.bodies.x,
+        ];
+        self.inside = places.map(|x| {
+            let near = |i: &usize| (x[*i] - centre).norm_squared() < radius * radius;
+            (0..x.len()).filter(near).collect()
+        });
+        if self.inside.iter().any(|inside| !inside.is_empty()) {
+            self.swallow(system);
+            // Its momentum has no tick to wait for.
+            system.settle_impulses();
+            system.look();
+        }
+    }
+
+    /// Feeds the star with those `inside`.
+    fn swallow(&mut self, system: &mut System) {
         let census = Census::of(system);
         system.ledger.turn(census);
         for (population, inside) in self.inside.iter().enumerate() {
@@ -77,7 +107,6 @@ impl Operator for Accretion {
         }
         let census = Census::of(system);
         system.ledger.book(self.name(), census);
-        Ok(true)
     }
 }
 

@@ -7,8 +7,8 @@
 //! Nothing that the ledger counts changes: swarms keep mass and velocity. Gas density, sound speed and velocity around a grain are
 //! those that its drag found, and stopping times of grains that changed are found anew.
 
-use dust::coagulation::{Coagulation, Kernel, Place};
-use nbody::points::{Fault, Vec3};
+use dust::coagulation::{Coagulation, Kernel, MOST, Place};
+use nbody::points::{Fault, Population, Vec3};
 
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
@@ -30,7 +30,13 @@ impl GrowDust {
         matches!(self.coagulation.kernel, Kernel::Physical(_))
     }
 
-    fn act(&mut self, system: &mut System, dt: f64, step: u64, meter: &mut dyn Meter) {
+    fn act(
+        &mut self,
+        system: &mut System,
+        dt: f64,
+        step: u64,
+        meter: &mut dyn Meter,
+    ) -> Result<(), Fault> {
         meter.enter(Phase::Dust);
         let centre = system.seen.star_x.first().copied();
         let gm = system.star.m.first().map_or(0.0, |m| system.g * m);
@@ -49,6 +55,18 @@ impl GrowDust {
         system.dust.particles.x = x;
         system.ledger.whole += tally.whole;
         meter.count(system.dust.len(), tally.total());
+        if tally.crowded == 0 {
+            return Ok(());
+        }
+        Err(Fault::Stuck {
+            population: Population::Dust,
+            id: system.dust.particles.id[0],
+            reason: format!(
+                "in {} cells of grains more than {MOST:e} collisions would fall into a step of {dt:e}",
+                tally.crowded
+            ),
+            time: system.clock.time(),
+        })
     }
 }
 
@@ -80,7 +98,7 @@ impl Operator for GrowDust {
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         let dt = system.clock.end - system.clock.start;
         if system.clock.synchronous() && dt > 0.0 {
-            self.act(system, 0.5 * dt, 2 * system.clock.step, meter);
+            self.act(system, 0.5 * dt, 2 * system.clock.step, meter)?;
         }
         Ok(false)
     }
@@ -88,7 +106,7 @@ impl Operator for GrowDust {
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         if system.clock.synchronous() {
             let dt = system.next.end - system.next.start;
-            self.act(system, 0.5 * dt, 2 * system.clock.step + 1, meter);
+            self.act(system, 0.5 * dt, 2 * system.clock.step + 1, meter)?;
         }
         Ok(false)
     }

@@ -2,8 +2,9 @@
 
 use std::ops::{Add, AddAssign, Sub};
 
+use nalgebra::Vector2;
 use nbody::Bodies;
-use nbody::points::{Domain, Vec3, sum};
+use nbody::points::{Domain, Vec3, length, sum};
 
 use crate::System;
 
@@ -19,9 +20,9 @@ pub struct Totals {
     pub angular_momentum: Vec3,
     pub kinetic: f64,
     pub internal: f64,
-    /// Sum of |m v|: the scale that errors of momentum are relative to.
+    /// Sum of |m v| and of m sqrt(u), which heat could make of it: the scale that errors of momentum are relative to.
     pub momentum_scale: f64,
-    /// Sum of |m x cross v|.
+    /// Sum of |m x cross v| and of m |x| sqrt(u).
     pub angular_scale: f64,
 }
 
@@ -44,10 +45,11 @@ impl Totals {
         let scales = sum::ordered(m.len(), Self::default(), |range| {
             range.fold(Self::default(), |total, i| {
                 let momentum = m[i] * v[i];
+                let heat = m[i] * u.get(i).map_or(0.0, |u| u.abs().sqrt());
                 total
                     + Self {
-                        momentum_scale: momentum.norm(),
-                        angular_scale: x[i].cross(&momentum).norm(),
+                        momentum_scale: length(momentum) + heat,
+                        angular_scale: length(x[i].cross(&momentum)) + heat * length(x[i]),
                         ..Self::default()
                     }
             })
@@ -81,6 +83,21 @@ impl Totals {
                 total + Self::of_one(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0))
             })
         })
+    }
+}
+
+impl Totals {
+    /// What errors of momentum and angular momentum are relative to, with what had to be stilled for heat to be dissipated.
+    fn scales(&self, dissipated: f64) -> Vector2<f64> {
+        let stilled = (self.mass * dissipated.abs()).sqrt();
+        let lever = match self.momentum_scale {
+            0.0 => 0.0,
+            momentum => self.angular_scale / momentum,
+        };
+        Vector2::new(
+            self.momentum_scale + stilled,
+            self.angular_scale + stilled * lever,
+        )
     }
 }
 
@@ -260,6 +277,8 @@ impl Ledger {
     pub fn open(&mut self, system: Census, potential: f64) {
         // Heat that brought the gas to its prescribed temperature came before the start.
         self.radiated = 0.0;
+        // So did what the star swallowed at once.
+        self.dissipated = 0.0;
         // And so did momentum that crossing faces gave to what was placed outside of them.
         self.given_away = Totals::default();
         // What closed before the first step began had no step to close.
@@ -320,9 +339,10 @@ impl Ledger {
             0.0 => start.kinetic + start.internal + self.initial_potential.abs(),
             e => e,
         };
-        let momentum_error = (now.momentum + lost.momentum - start.momentum).norm();
+        let momentum_error = length(now.momentum + lost.momentum - start.momentum);
         let angular_error =
-            (now.angular_momentum + lost.angular_momentum - start.angular_momentum).norm();
+            length(now.angular_momentum + lost.angular_momentum - start.angular_momentum);
+        let scales = now.scales(self.dissipated).sup(&start.scales(0.0));
         Report {
             time,
             mass: system.0.map(|t| t.mass),
@@ -334,9 +354,9 @@ impl Ledger {
             radiated: self.radiated + self.dissipated,
             accreted: self.accreted,
             error_mass: relative(now.mass - start.mass, start.mass),
-            error_momentum: relative(momentum_error, start.momentum_scale.max(now.momentum_scale)),
+            error_momentum: relative(momentum_error, scales.x),
             error_angular_momentum: if turns {
-                relative(angular_error, start.angular_scale.max(now.angular_scale))
+                relative(angular_error, scales.y)
             } else {
                 f64::NAN
             },

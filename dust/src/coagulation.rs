@@ -18,6 +18,7 @@ use std::ops::Add;
 use nbody::points::random::{Purpose, stream};
 use nbody::points::sum::{self, Parts};
 
+pub use cell::MOST;
 pub use cells::{CELL, Cell, Cells};
 
 use crate::outcome::{Outcome, Rules};
@@ -70,6 +71,8 @@ pub struct Tally {
     pub whole: u64,
     /// Superparticles in cells without a volume, where nothing meets.
     pub flat: u64,
+    /// Cells that were left with more collisions to come than can be drawn.
+    pub crowded: u64,
 }
 
 impl Tally {
@@ -91,6 +94,7 @@ impl Add for Tally {
             drawn: self.drawn + o.drawn,
             whole: self.whole + o.whole,
             flat: self.flat + o.flat,
+            crowded: self.crowded + o.crowded,
         }
     }
 }

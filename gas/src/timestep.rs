@@ -1,6 +1,6 @@
 //! Time steps of the gas: how long they are, and the kicks and drifts that they are made of.
 //!
-//! dt <= 2 C h / v_sig,   dt <= C_f sqrt(h / |hydro + gravity - a_star|),   dt <= C_o / Omega about the star,
+//! dt <= 2 C h / v_sig (less by strong viscosities),   dt <= C_f sqrt(h / |hydro + gravity - a_star|),   dt <= C_o / Omega about the star,
 //! dt <= 4 times the shortest step of a neighbour (Saitoh & Makino 2009);   a field with steps of its own has no part in
 //! the acceleration here (`field`)
 //!
@@ -131,18 +131,27 @@ impl Gas {
         if span > 0 {
             return Ok(span);
         }
+        let own = self.wanted_step(hydro, clock, pacing, of);
+        let of_field = match self.has_field() {
+            true => self.wanted_field_step(hydro, pacing, of),
+            false => f64::INFINITY,
+        };
+        let (population, id, time) = (Population::Gas, self.particles.id[of], clock.time());
+        if own.is_nan() || of_field.is_nan() {
+            let quantity = "the wanted time step";
+            return Err(Fault::NonFinite {
+                population,
+                id,
+                quantity,
+                time,
+            });
+        }
         Err(Fault::StepTooSmall {
-            population: Population::Gas,
-            id: self.particles.id[of],
-            step: self
-                .wanted_step(hydro, clock, pacing, of)
-                .min(if self.has_field() {
-                    self.wanted_field_step(hydro, pacing, of)
-                } else {
-                    f64::INFINITY
-                }),
+            population,
+            id,
+            step: own.min(of_field),
             shortest: next.unit(),
-            time: clock.time(),
+            time,
         })
     }
 
@@ -150,7 +159,7 @@ impl Gas {
     pub fn wanted_step(&self, hydro: &Hydro, clock: &Clock, pacing: &Pacing, i: usize) -> f64 {
         let x = self.particles.x[i];
         let (h, near) = (self.particles.h[i], self.derived.near_span[i]);
-        let courant = 2.0 * hydro.courant * h / self.derived.v_sig[i];
+        let courant = 2.0 * hydro.courant * hydro.viscosity.calm() * h / self.derived.v_sig[i];
         let own = self.rates.hydro[i] + self.rates.steady(i);
         let force = hydro.force_factor * (h / (own - pacing.central(x)).norm()).sqrt();
         if courant.is_nan() || force.is_nan() {

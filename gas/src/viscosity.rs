@@ -152,6 +152,13 @@ impl Viscosity {
         }
     }
 
+    /// The part of Courant's step at which momentum does not spread further in a step than a neighbour: a viscosity alpha c h spreads it as
+    /// far as sound from alpha = 4 on.
+    pub fn calm(&self) -> f64 {
+        let [alpha, beta] = self.parameters().unwrap_or_default();
+        (4.0 / alpha).min(8.0 / beta).min(1.0)
+    }
+
     /// beta by alpha.
     pub fn ratio(&self) -> f64 {
         let Some([alpha, beta]) = self.parameters() else {

@@ -60,6 +60,11 @@ pub struct Settings {
     pub constant: f64,
 }
 
+/// One over a softened distance of this square; points at one place give each other nothing, neither pull nor potential.
+pub fn per_distance(q2: f64) -> f64 {
+    if q2 > 0.0 { 1.0 / q2.sqrt() } else { 0.0 }
+}
+
 /// What a call did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Count {

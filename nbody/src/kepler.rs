@@ -7,6 +7,7 @@
 //! Source: Stumpff (1962); Danby (1988); Mikkola & Innanen (1999); Wisdom & Hernandez (2015) for g without G3.
 
 pub mod abreast;
+mod landing;
 mod universal;
 
 use std::f64::consts::PI;
@@ -14,6 +15,7 @@ use std::f64::consts::PI;
 use thiserror::Error;
 
 use crate::points::Vec3;
+use landing::{Constants, NEAR};
 use universal::{shifted, universal};
 
 /// Why a body has no Kepler orbit to drift along; the body is left as it was.
@@ -64,7 +66,12 @@ pub fn drift(mu: f64, dt: f64, x: &mut Vec3, v: &mut Vec3) -> Result<(), Refusal
     let per_r = mu / r;
     let swift = *v - (*x * (per_r * inverse * g1) + *v * (per_r * g2));
     if (there.norm_squared() + swift.norm_squared()).is_finite() {
-        (*x, *v) = (there, swift);
+        (*x, *v) = if r < NEAR * r0 {
+            let h = x.cross(v);
+            Constants { mu, beta, h }.state(there, swift)
+        } else {
+            (there, swift)
+        };
         Ok(())
     } else {
         Err(Refusal::Centre)

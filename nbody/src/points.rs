@@ -22,3 +22,13 @@ pub use tree::{Node, Tree};
 
 /// A vector in space, code units of its quantity.
 pub type Vec3 = nalgebra::Vector3<f64>;
+
+/// The length of a vector, also where the squares of its components leave the range of numbers.
+pub fn length(v: Vec3) -> f64 {
+    let (square, largest) = (v.norm_squared(), v.amax());
+    if square.is_normal() || largest == 0.0 || !largest.is_finite() {
+        square.sqrt()
+    } else {
+        largest * (v / largest).norm()
+    }
+}

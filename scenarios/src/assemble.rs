@@ -22,8 +22,9 @@ use dust::motion::Parts;
 use nbody::gravity as solver;
 use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
-use nbody::points::Columns;
+use nbody::points::{Columns, Population};
 
+use crate::memory;
 use crate::populate;
 use crate::run::REPORTS;
 use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep};
@@ -39,19 +40,33 @@ pub struct Assembly {
 
 /// Places all particles and bodies of a scene at its start.
 pub fn start(scene: &Scene) -> Result<System, populate::Refusal> {
+    memory::fits(scene)?;
     let mut system = System::new(scene.domain, scene.gravity.constant, 0.0);
     populate::fill(scene, &mut system)?;
+    if [
+        system.star.len(),
+        system.bodies.len(),
+        system.gas.len(),
+        system.dust.len(),
+    ] == [0; 4]
+    {
+        let sentence =
+            "there is nothing to model: the scene's tables and its file have no particles";
+        return Err(populate::Refusal(sentence.to_owned()));
+    }
     system.number_on();
     system.look();
     Ok(system)
 }
 
-/// Chooses the operators for a system that is in place.
-pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
+/// Chooses the operators for a system that is in place; refuses one whose steps are too many to be done.
+pub fn assembly(scene: &Scene, mut system: System) -> Result<Assembly, populate::Refusal> {
     let mut remarks = Vec::new();
     let integrator = integrator(scene, &mut system, &mut remarks);
     system.star_in_kick = integrator == Integrator::Leapfrog;
     if system.clock.step == 0 {
+        Accretion::default().begin(&mut system);
+        separate(&system)?;
         system.bodies_step = bodies_step(scene, &system, integrator);
         system.longest = match scene.run.time_step {
             TimeStep::Fixed(dt) => dt,
@@ -60,17 +75,69 @@ pub fn assembly(scene: &Scene, mut system: System) -> Assembly {
             }
             TimeStep::Auto => typical_step(scene, &system),
         };
+        countable(scene, &system)?;
     }
     let fixed = match scene.run.time_step {
         TimeStep::Fixed(dt) => dt,
         TimeStep::Auto => f64::INFINITY,
     };
     let splitting = Splitting::new(operators(scene, &system, integrator, fixed));
-    Assembly {
+    Ok(Assembly {
         system,
         splitting,
         remarks,
+    })
+}
+
+/// Refuses who stands at the very place of the star, where its pull has no value.
+fn separate(system: &System) -> Result<(), populate::Refusal> {
+    let Some(centre) = system.star.x.first() else {
+        return Ok(());
+    };
+    let (gas, dust, bodies) = (
+        &system.gas.particles,
+        &system.dust.particles,
+        &system.bodies,
+    );
+    let sets = [
+        (Population::Gas, &gas.x, &gas.id),
+        (Population::Dust, &dust.x, &dust.id),
+        (Population::Planetesimals, &bodies.x, &bodies.id),
+    ];
+    for (population, x, id) in sets {
+        // Closer than any square of a distance says.
+        if let Some(i) = x.iter().position(|x| (x - centre).norm_squared() == 0.0) {
+            return Err(populate::Refusal(format!(
+                "{population} particle {} stands at the very place of the star, where its pull has no value: move it, or give star.accretion_radius",
+                id[i]
+            )));
+        }
     }
+    Ok(())
+}
+
+/// Refuses steps of which a run would need more than it can do.
+fn countable(scene: &Scene, system: &System) -> Result<(), populate::Refusal> {
+    let end = scene.run.end_time;
+    let many = |step: f64| step.is_nan() || end / step > validate::MOST_STEPS;
+    let most = validate::MOST_STEPS;
+    if many(system.bodies_step) {
+        let sentence = format!(
+            "bodies need steps of {:e} at their closest pericentre, {:e} of them to run.end_time, where a run does at most {most:e}: give star.accretion_radius, planetesimals.time_step or planetesimals.integrator = \"gauss-radau\"",
+            system.bodies_step,
+            end / system.bodies_step
+        );
+        return Err(populate::Refusal(sentence));
+    }
+    if many(system.longest) {
+        let sentence = format!(
+            "gas and dust orbit the star so closely that they need steps of {:e}, {:e} of them to run.end_time, where a run does at most {most:e}",
+            system.longest,
+            end / system.longest
+        );
+        return Err(populate::Refusal(sentence));
+    }
+    Ok(())
 }
 
 /// The Jacobi map that the scene names.
@@ -237,7 +304,8 @@ fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
         .as_ref()
         .is_some_and(|p| p.collisions != scene::Collisions::None);
     let whole = matches!(integrator, Integrator::GaussRadau | Integrator::Hermite);
-    let free = whole && !touching && !scene.has_surroundings();
+    let free =
+        (whole || lonely(scene, system, integrator)) && !touching && !scene.has_surroundings();
     if free || system.bodies.is_empty() || system.star.is_empty() {
         return f64::INFINITY;
     }
@@ -249,12 +317,21 @@ fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
             let (x, v) = (bodies.x[i] - star_x, bodies.v[i] - star_v);
             let h2 = x.cross(&v).norm_squared();
             let e = (v.cross(&x.cross(&v)) / mu - x / x.norm()).norm();
-            let pericentre = h2 / mu / (1.0 + e);
+            // Nobody comes closer to the star than it accretes.
+            let pericentre = (h2 / mu / (1.0 + e)).max(system.star.radius[0]);
             (pericentre.powi(3) / mu).sqrt()
         })
         .fold(f64::INFINITY, f64::min);
-    scene.accuracy.orbit_step
-        * shortest.max(1e-6 * scene.run.end_time / f64::from(nbody::points::clock::TICKS))
+    scene.accuracy.orbit_step * shortest
+}
+
+/// Whether each body has the star alone to move it, and the integrator follows such an orbit exactly by steps of any length.
+fn lonely(scene: &Scene, system: &System, integrator: Integrator) -> bool {
+    let looked_at = scene.star.is_some_and(|star| star.accretion_radius > 0.0);
+    let pulled = !system.gas.is_empty() || !system.dust.is_empty();
+    let massless = system.bodies.m.iter().all(|&m| m == 0.0);
+    let exact = matches!(integrator, Integrator::WisdomHolman | Integrator::Hybrid);
+    exact && massless && !pulled && !looked_at
 }
 
 fn softening(of: scene::Softening) -> Softening {
@@ -274,7 +351,6 @@ fn operators(
     let step = system.bodies_step;
     let (gas, dust) = (!system.gas.is_empty(), !system.dust.is_empty());
     let bodies = !system.bodies.is_empty() || !system.star.is_empty();
-    let moving = bodies && (gas || dust || !system.bodies.is_empty());
     let hydro = scene.gas.as_ref().map(|g| populate::hydro(scene, g));
     let mut list: Vec<Box<dyn Operator>> = Vec::new();
     let grown = scene.dust.as_ref().filter(|_| dust);
@@ -337,12 +413,12 @@ fn operators(
         )));
     }
     let kicked = gas || dust || scene.has_surroundings();
-    if moving && !system.bodies.is_empty() {
+    if !system.bodies.is_empty() {
         list.extend(surroundings(scene));
     }
     let jacobi = jacobi(scene, integrator);
     let whole = matches!(integrator, Integrator::GaussRadau | Integrator::Hermite);
-    if moving && jacobi.is_none() && (!whole || kicked) {
+    if bodies && jacobi.is_none() && (!whole || kicked) {
         list.push(Box::new(KickBodies {
             step,
             mutual: mutual(scene),
@@ -386,7 +462,7 @@ fn operators(
     if dust {
         list.push(Box::new(DriftDust));
     }
-    if moving {
+    if bodies {
         list.push(match (integrator, jacobi, &plan.mutual) {
             (_, Some(scheme), _) => Box::new(DriftBodies::new(JacobiMap { scheme, step })),
             (_, _, Mutual::Changeover(meetings)) => {
@@ -398,7 +474,7 @@ fn operators(
             _ => Box::new(DriftBodies::new(Kepler)),
         });
     }
-    if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && moving {
+    if scene.star.is_some_and(|star| star.accretion_radius > 0.0) && bodies {
         list.push(Box::new(Accretion::default()));
     }
     let law = scene.planetesimals.as_ref().and_then(populate::collisions);

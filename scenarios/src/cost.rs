@@ -116,7 +116,7 @@ pub fn sample(scene: &Scene, seconds: f64) -> Result<Sampled, RunError> {
         system,
         splitting,
         remarks,
-    } = assemble::assembly(scene, system);
+    } = assemble::assembly(scene, system).map_err(|refusal| RunError::Refused(refusal.0))?;
     let start_s = began.elapsed().as_secs_f64();
     let operators = splitting.names();
     let schedule = Schedule::of(scene, system.longest, scene.run.end_time);

@@ -229,7 +229,7 @@ pub fn fill(scene: &Scene, system: &mut System) -> Result<(), Refusal> {
     };
     stars(scene, system, &mut file.star);
     bodies(scene, system, &mut ids, file.bodies);
-    let gas = gas(scene, &mut ids, file.gas);
+    let gas = gas(scene, &mut ids, file.gas)?;
     let dust = dust(scene, &mut ids, file.dust, &gas);
     if let Some(scene_gas) = &scene.gas {
         system.gas = Gas::new(gas);
@@ -449,13 +449,18 @@ fn streaming(scene: &Scene, velocity: Vec3, x: &[Vec3], v: &mut [Vec3]) {
     }
 }
 
-fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
+fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Result<Particles, Refusal> {
     let mut all = Particles::default();
-    let Some(gas) = &scene.gas else { return all };
+    let Some(gas) = &scene.gas else {
+        return Ok(all);
+    };
     let hydro = hydro(scene, gas);
     if let Some(disk) = &gas.disk {
         let first = ids.take(gas.particles);
         let disk = disk_of(scene, gas, disk);
+        if let Some(flaw) = disk.flaw() {
+            return Err(Refusal(format!("gas.disk cannot be made: {flaw}")));
+        }
         let mut made = disk.gas(resolution(scene, gas), scene.run.seed, first);
         if let Eos::Ideal { gamma } = hydro.eos {
             // Gas whose temperature its place dictates is brought to it by itself.
@@ -485,7 +490,7 @@ fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Particles {
     let first = ids.take(file.len());
     number(&mut file.id, first);
     append(&mut all, &file);
-    all
+    Ok(all)
 }
 
 fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles) -> Superparticles {

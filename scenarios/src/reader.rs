@@ -7,6 +7,9 @@ use nbody::points::Vec3;
 use crate::document::{Node, Place, Value};
 use crate::units::{self, Kind, System, Units};
 
+/// The largest size of a number of a scene.
+pub const MOST: f64 = 1e100;
+
 /// What is allowed of a number, in a test and in words.
 #[derive(Clone, Copy)]
 pub struct Range {
@@ -165,6 +168,10 @@ impl<'a> Section<'a> {
         let node = self.find(key)?;
         let found = match scalar(node, kind, &self.units()) {
             Ok(x) if !x.is_finite() => Err("must be a finite number".to_owned()),
+            Ok(x) if x != 0.0 && !(1.0 / MOST..=MOST).contains(&x.abs()) => Err(format!(
+                "is {x:e} in code units; allowed are 0 and sizes from {:e} to {MOST:e}, whose cubes are numbers",
+                1.0 / MOST
+            )),
             Ok(x) if !(range.test)(x) => Err(format!("must be {}", range.text)),
             other => other,
         };
@@ -294,7 +301,11 @@ impl<'a> Section<'a> {
         let mut found = Vec::with_capacity(items.len());
         for item in items {
             match scalar(item, kind, &self.units()) {
-                Ok(x) if x.is_finite() => found.push(x),
+                Ok(x) if x.abs() <= MOST => found.push(x),
+                Ok(x) if x.is_finite() => {
+                    let sentence = format!("is {x:e} in code units; the most is {MOST:e}");
+                    self.refuse(key, item, &sentence);
+                }
                 Ok(_) => self.refuse(key, item, "must be a finite number"),
                 Err(sentence) => self.refuse(key, item, &sentence),
             }

@@ -7,7 +7,7 @@ mod output;
 mod saved;
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use coupling::ledger::Census;
 use coupling::{Meter, Phase, Splitting, System};
@@ -79,7 +79,7 @@ pub fn run(scene: Scene, options: &Options) -> Result<Outcome, RunError> {
     let started = Stopwatch::new(Default::default(), 0.0);
     let system = assemble::start(&scene).map_err(|refusal| RunError::Refused(refusal.0))?;
     let folder = Folder::new(&options.output, &scene)?;
-    let mut run = Run::new(scene, system, folder, started, options);
+    let mut run = Run::new(scene, system, folder, started, options)?;
     run.go()
 }
 
@@ -93,7 +93,7 @@ pub fn resume(folder: &Path, options: &Options) -> Result<Outcome, RunError> {
     let saved = saved::read(&folder.join("checkpoint.hdf5"), &scene)?;
     let watch = Stopwatch::new(saved.laps, saved.wall_s);
     let folder = Folder::reopened(folder, &scene, &saved.rows)?;
-    Run::new(scene, saved.system, folder, watch, options).go()
+    Run::new(scene, saved.system, folder, watch, options)?.go()
 }
 
 /// A run in progress.
@@ -115,17 +115,17 @@ impl Run {
         folder: Folder,
         watch: Stopwatch,
         options: &Options,
-    ) -> Self {
+    ) -> Result<Self, RunError> {
         let end = options.end_time.unwrap_or(scene.run.end_time);
         let Assembly {
             system,
             splitting,
             remarks,
-        } = assemble::assembly(&scene, system);
+        } = assemble::assembly(&scene, system).map_err(|refusal| RunError::Refused(refusal.0))?;
         let schedule = Schedule::of(&scene, system.longest, end);
         let progress = Progress::new(system.clock.time(), end, scene.units, options.quiet);
         remarks.iter().for_each(|remark| progress.say(remark));
-        Self {
+        Ok(Self {
             scene,
             system,
             splitting,
@@ -134,7 +134,7 @@ impl Run {
             watch,
             progress,
             saved: Instant::now(),
-        }
+        })
     }
 
     /// Advances to the end, or to a signal.
@@ -149,7 +149,7 @@ impl Run {
                     self.finish()?;
                     return Ok(Outcome::Interrupted(signal));
                 }
-                if self.saved.elapsed() >= Duration::from_secs_f64(self.scene.run.checkpoint)
+                if self.saved.elapsed().as_secs_f64() >= self.scene.run.checkpoint
                     || now >= self.schedule.end
                 {
                     self.checkpoint()?;

@@ -22,6 +22,8 @@ impl Schedule {
         // Reports come after whole base steps, so that they do not cut them.
         let report = scene.run.end_time / REPORTS;
         let report = if longest.is_finite() {
+            // One that is longer than the run is cut by its end.
+            let longest = longest.min(scene.run.end_time);
             (report / longest - 1e-9).ceil().max(1.0) * longest
         } else {
             report

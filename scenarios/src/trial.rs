@@ -58,7 +58,7 @@ impl Trial {
         }
         let Assembly {
             system, splitting, ..
-        } = assemble::assembly(&scene, system);
+        } = assemble::assembly(&scene, system).map_err(|refusal| refusal.0)?;
         Ok(Self {
             scene,
             system,

@@ -10,7 +10,7 @@ use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
     Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, DustDrag, Eos, Gas, GasDisk,
-    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes,
+    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes, TimeStep,
 };
 use crate::units::System;
 
@@ -62,9 +62,13 @@ fn named<'n>(entries: &'n Entries, key: &str) -> Option<&'n Node> {
         .map(|(_, node)| node)
 }
 
+/// Steps that a run can do: some months of one body's.
+pub const MOST_STEPS: f64 = 1e12;
+
 /// All rules.
 pub fn rules(scene: &Scene, complaints: &Complaints<'_>) {
     something_to_model(scene, complaints);
+    steps(scene, complaints);
     dimensions(scene, complaints);
     if let Some(gas) = &scene.gas {
         gas_rules(scene, gas, complaints);
@@ -120,6 +124,22 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
             "star.accretion_radius",
             "reaches beyond gas.disk.inner_radius: the star would swallow the inner disk at once",
         );
+    }
+}
+
+fn steps(scene: &Scene, complaints: &Complaints<'_>) {
+    let bodies = scene.planetesimals.as_ref();
+    let given = [
+        ("run.time_step", Some(scene.run.time_step)),
+        ("planetesimals.time_step", bodies.map(|b| b.time_step)),
+    ];
+    for (path, step) in given {
+        if let Some(TimeStep::Fixed(dt)) = step
+            && scene.run.end_time / dt > MOST_STEPS
+        {
+            let sentence = format!("makes more than {MOST_STEPS:e} steps to run.end_time");
+            complaints.say(path, &sentence);
+        }
     }
 }
 
@@ -517,7 +537,8 @@ fn planet_rules(scene: &Scene, complaints: &Complaints<'_>) {
                 }
             }
             Orbit::State { position, .. } => {
-                if scene.star.is_some() && position == Vec3::zeros() {
+                // Closer than any square of a distance says.
+                if scene.star.is_some() && position.norm_squared() == 0.0 {
                     complaints.say(&format!("{path}.position"), "is that of the star");
                 }
             }

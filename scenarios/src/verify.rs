@@ -2,6 +2,7 @@
 
 mod coupling;
 mod dust;
+pub mod extremes;
 mod field_steps;
 mod gammie;
 pub mod gas;
@@ -20,6 +21,7 @@ use std::path::Path;
 
 use cpu_time::ProcessTime;
 
+use self::extremes::case::Case;
 use self::gas::scheme::Scheme;
 
 /// A figure of a problem beside what it should be.
@@ -143,6 +145,8 @@ enum Rows {
     Own(fn() -> Vec<Row>),
     /// With the hydrodynamics that the command line asks for.
     Of(fn(&Scheme) -> Vec<Row>),
+    /// As cases, each with what must hold of it.
+    Cases(fn() -> Vec<Case>),
 }
 
 const fn own(name: &'static str, about: &'static str, rows: fn() -> Vec<Row>) -> Problem {
@@ -321,10 +325,15 @@ pub const PROBLEMS: &[Problem] = &[
 ];
 
 /// The lists of all problems, in the order in which they run.
-const LISTS: [&[Problem]; 3] = [PROBLEMS, dust::PROBLEMS, coupling::PROBLEMS];
+const LISTS: [&[Problem]; 4] = [
+    PROBLEMS,
+    dust::PROBLEMS,
+    coupling::PROBLEMS,
+    extremes::PROBLEMS,
+];
 
 /// Names of groups: each means all problems whose names begin with it and a dash.
-const GROUPS: [&str; 3] = ["gas", "dust", "coupling"];
+const GROUPS: [&str; 4] = ["gas", "dust", "coupling", "extremes"];
 
 fn problems() -> impl Iterator<Item = &'static Problem> {
     LISTS.into_iter().flatten()
@@ -359,7 +368,7 @@ pub fn verify(names: &[String], set: &[String], pictures: Option<&Path>) -> Resu
     let problems = chosen(names)?;
     let scheme = Scheme::new(set, pictures)?;
     let mut verdicts = Vec::new();
-    if let Some(other) = problems.iter().find(|p| matches!(p.rows, Rows::Own(_)))
+    if let Some(other) = problems.iter().find(|p| !matches!(p.rows, Rows::Of(_)))
         && (!set.is_empty() || pictures.is_some())
     {
         return Err(format!(
@@ -371,12 +380,16 @@ pub fn verify(names: &[String], set: &[String], pictures: Option<&Path>) -> Resu
     for problem in problems {
         let since = ProcessTime::now();
         println!("{}: {}", problem.name, problem.about);
-        println!("| | measured | reference | difference | bars | |");
-        println!("| --- | --- | --- | --- | --- | --- |");
         let mut rows = match problem.rows {
             Rows::Own(rows) => rows(),
             Rows::Of(rows) => rows(&scheme),
+            Rows::Cases(cases) => {
+                verdicts.extend(extremes::table(cases()));
+                continue;
+            }
         };
+        println!("| | measured | reference | difference | bars | |");
+        println!("| --- | --- | --- | --- | --- | --- |");
         rows.push(Row::new(
             "CPU time, s",
             since.elapsed().as_secs_f64(),

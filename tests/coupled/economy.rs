@@ -9,7 +9,7 @@ use crate::bench::shipped;
 fn assembled(scene: &str) -> assemble::Assembly {
     let scene = Scene::load(&shipped(scene), &[]).unwrap_or_else(|refusal| panic!("{refusal}"));
     let system = assemble::start(&scene).unwrap_or_else(|refusal| panic!("{refusal}"));
-    assemble::assembly(&scene, system)
+    assemble::assembly(&scene, system).unwrap_or_else(|refusal| panic!("{refusal}"))
 }
 
 #[test]

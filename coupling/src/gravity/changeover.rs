@@ -88,6 +88,9 @@ pub fn add_mutual_pulls(bodies: &Bodies, g: f64, pulls: &mut [Vec3]) {
         for &j in sources.iter().filter(|&&j| j != i) {
             let d = x[j] - x[i];
             let q2 = d.norm_squared() + softening[i].powi(2) + softening[j].powi(2);
+            if q2 == 0.0 {
+                continue;
+            }
             *pull += d * (g * bodies.m[j] / (q2 * q2.sqrt()));
         }
     });

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use nbody::Kind;
+use nbody::gravity::per_distance;
 use nbody::points::{Vec3, sum};
 use rayon::prelude::*;
 
@@ -23,9 +24,8 @@ pub fn add_mutual_potentials(system: &mut System) {
         let others = sources.iter().filter(|&&j| j != i);
         others
             .map(|&j| {
-                -bodies.m[j]
-                    / ((x[j] - x[i]).norm_squared() + softening[i].powi(2) + softening[j].powi(2))
-                        .sqrt()
+                let q2 = (x[j] - x[i]).norm_squared() + softening[i].powi(2) + softening[j].powi(2);
+                -bodies.m[j] * per_distance(q2)
             })
             .sum()
     };

@@ -12,6 +12,9 @@ use crate::porosity::Aggregate;
 /// A column of a cell; what lies behind the last member has no mass.
 pub type Column = [f64; CELL];
 
+/// Collisions of a cell in a call beyond which none is drawn: minutes of computing.
+pub const MOST: f64 = 1e9;
+
 /// A grain after the step; stopping time and Stokes number where they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct After {
@@ -190,6 +193,10 @@ impl Swarms {
         let mut now = 0.0;
         loop {
             let total = total(&self.sums);
+            if total * (dt - now) > MOST {
+                tally.crowded = 1;
+                return tally;
+            }
             now -= (1.0 - random.random::<f64>()).ln() / total;
             // Not a number where nothing ever meets.
             if now.is_nan() || now >= dt {

@@ -11,6 +11,7 @@ use std::sync::LazyLock;
 
 use fearless_simd::{Level, Select, Simd, SimdFloat, SimdMask, f64x4, f64x8};
 
+use super::landing::NEAR;
 use super::universal::SERIES;
 use super::{Refusal, drift};
 use crate::points::Vec3;
@@ -81,7 +82,7 @@ pub fn change<S: Simd, V: Wide<S>>(simd: S, mu: V, dt: f64, x: [V; 3], v: [V; 3]
     Change {
         x: std::array::from_fn(|k| v[k].mul_add(g, x[k] * f1)),
         v: std::array::from_fn(|k| -v[k].mul_add(slow, x[k] * back)),
-        usual: found & r.simd_gt(V::splat(simd, 0.0)),
+        usual: found & r.simd_gt(r0 * NEAR),
     }
 }
 

@@ -27,7 +27,7 @@ impl fmt::Display for Population {
 /// Why a step cannot be done. Times are in code units.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Fault {
-    #[error("{population} particle {id}: {quantity} is not a finite number at time {time}")]
+    #[error("{population} particle {id}: {quantity} is not a finite number at time {}", shown(*time))]
     NonFinite {
         population: Population,
         id: u64,
@@ -35,7 +35,8 @@ pub enum Fault {
         time: f64,
     },
     #[error(
-        "{population} particle {id}: no smoothing length gives the wanted neighbour number at time {time} (last try {smoothing_length})"
+        "{population} particle {id}: no smoothing length gives the wanted neighbour number at time {} (last try {smoothing_length:e})",
+        shown(*time)
     )]
     DensityNotConverged {
         population: Population,
@@ -44,7 +45,8 @@ pub enum Fault {
         time: f64,
     },
     #[error(
-        "{population} particle {id}: needs a time step of {step} at time {time}, shorter than the shortest, {shortest}"
+        "{population} particle {id}: needs a time step of {step:e} at time {}, shorter than the shortest, {shortest:e}",
+        shown(*time)
     )]
     StepTooSmall {
         population: Population,
@@ -54,7 +56,8 @@ pub enum Fault {
         time: f64,
     },
     #[error(
-        "{population} particle {id}: the equation of state has no pressure or sound speed at density {density} and internal energy {energy}, at time {time}"
+        "{population} particle {id}: the equation of state has no pressure or sound speed at density {density:e} and internal energy {energy:e}, at time {}",
+        shown(*time)
     )]
     NoState {
         population: Population,
@@ -63,18 +66,26 @@ pub enum Fault {
         energy: f64,
         time: f64,
     },
-    #[error("{population} body {id} cannot be moved at time {time}: {reason}")]
+    #[error("{population} body {id} cannot be moved at time {}: {reason}", shown(*time))]
     Stuck {
         population: Population,
         id: u64,
         reason: String,
         time: f64,
     },
-    #[error("{quantity} is not conserved: relative error {error:e} exceeds {bar:e} at time {time}")]
+    #[error("{quantity} is not conserved: relative error {error:e} exceeds {bar:e} at time {}", shown(*time))]
     NotConserved {
         quantity: &'static str,
         error: f64,
         bar: f64,
         time: f64,
     },
+}
+
+/// A time in few digits, whatever its size.
+fn shown(time: f64) -> String {
+    match time.abs() {
+        0.0 | 1e-4..1e9 => time.to_string(),
+        _ => format!("{time:e}"),
+    }
 }

@@ -14,6 +14,12 @@ use nbody::points::random::{Purpose, stream};
 use super::Resolution;
 use super::layer::Layer;
 
+/// Particles that fill one kernel.
+const FEWEST: usize = 64;
+
+/// Largest outer by inner radius.
+const WIDEST: f64 = 1e6;
+
 /// Parameters of a gas disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
@@ -171,23 +177,59 @@ impl Disk {
         (gas, dust)
     }
 
+    /// Why no such disk can be made of particles, if none can.
+    pub fn flaw(&self) -> Option<String> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let all = [
+            self.inner_radius,
+            self.outer_radius,
+            self.reference_radius,
+            self.aspect_ratio,
+            self.taper,
+            self.star_mass,
+            self.g,
+        ];
+        if self.particles < FEWEST {
+            return Some(format!(
+                "{} particles are too few for a disk, of which one kernel holds {FEWEST}",
+                self.particles
+            ));
+        }
+        let sound = all.into_iter().all(positive) && self.inner_radius < self.outer_radius;
+        if !sound || self.outer_radius / self.inner_radius > WIDEST {
+            return Some(format!(
+                "a disk from {:e} to {:e} is wider than the factor {WIDEST:e} that its layers follow",
+                self.inner_radius, self.outer_radius
+            ));
+        }
+        let layer = Layer::new(self, 1.0);
+        let inside = [
+            layer.mass,
+            layer.radius(0.0),
+            layer.radius(1.0),
+            self.surface_density,
+        ];
+        let slim = [self.inner_radius, self.outer_radius].map(|r| self.aspect(r));
+        if !inside.into_iter().chain(slim).all(positive) {
+            let sentence = "its slope, exponent, taper and reference radius make a mass or a height that is no number";
+            return Some(sentence.to_owned());
+        }
+        for part in [0.0, 0.5, 1.0] {
+            let radius = layer.radius(part);
+            if !self
+                .rotation(Vec3::new(radius, 0.0, 0.0), 0.0)
+                .y
+                .is_finite()
+            {
+                return Some(format!("its pressure leaves no rotation at {radius:e}"));
+            }
+        }
+        None
+    }
+
     fn check(&self) {
-        assert!(
-            self.particles >= 64,
-            "a gas disk has enough particles for one kernel"
-        );
-        assert!(
-            self.aspect_ratio > 0.0 && self.taper > 0.0,
-            "a disk has a thickness and edges of some width"
-        );
-        assert!(
-            0.0 < self.inner_radius && self.inner_radius < self.outer_radius,
-            "a disk ends outside of where it begins"
-        );
-        assert!(
-            self.surface_density > 0.0 && self.star_mass > 0.0 && self.g > 0.0,
-            "masses are positive"
-        );
+        let flaw = self.flaw();
+        assert!(flaw.is_none(), "a disk can be made: {flaw:?}");
     }
 }
 

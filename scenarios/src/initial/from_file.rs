@@ -8,8 +8,25 @@ use nbody::points::Columns;
 use nbody::{Bodies, Kind};
 
 use crate::populate::{Refusal, hydro};
+use crate::reader::MOST;
 use crate::scene::{Scene, Sizes};
 use crate::snapshot::{self, Particles as Rows};
+
+/// The largest smoothing length by the shortest side of a periodic box: a search meets as many images along each axis.
+const MOST_BOXES: f64 = 10.0;
+
+/// The largest identity of a file: half of all.
+const MOST_ID: u64 = u64::MAX / 2;
+
+/// Columns that a start takes over, beside those that each file has.
+const STARTING: [&str; 6] = [
+    "InternalEnergies",
+    "SmoothingLengths",
+    "Radii",
+    "Densities",
+    "GrainRadii",
+    "GrainDensities",
+];
 
 /// What a file adds to a scene.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +69,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Start, Refusal> {
                 rows.part_type
             ))
         };
+        followed(rows).map_err(refuse)?;
         match rows.part_type {
             0 => start.gas = gas(rows, scene).map_err(refuse)?,
             1 => start.bodies = bodies(rows, Kind::Planetesimal),
@@ -66,6 +84,47 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Start, Refusal> {
     Ok(start)
 }
 
+/// Whether all numbers are of sizes whose cubes are numbers too, and identities leave room for those of new bodies.
+fn followed(rows: &Rows) -> Result<(), String> {
+    let vectors = [
+        ("Coordinates", &rows.x),
+        ("Velocities", &rows.v),
+        ("Spins", &rows.spin),
+    ];
+    for (name, values) in vectors {
+        if let Some(i) = values.iter().position(|x| x.amax() > MOST) {
+            return Err(format!("{name}: entry {i} (from 0) is beyond {MOST:e}"));
+        }
+    }
+    let columns = STARTING
+        .into_iter()
+        .filter_map(|name| Some((name, rows.more.get(name)?)));
+    for (name, values) in columns.chain([("Masses", &rows.m)]) {
+        let strange = |x: &f64| *x != 0.0 && !(1.0 / MOST..=MOST).contains(x);
+        if let Some(i) = values.iter().position(strange) {
+            return Err(format!(
+                "{name}: entry {i} (from 0) is {:e}; allowed are 0 and sizes from {:e} to {MOST:e}",
+                values[i],
+                1.0 / MOST
+            ));
+        }
+    }
+    match rows.id.iter().find(|&&id| id > MOST_ID) {
+        Some(id) => Err(format!(
+            "ParticleIDs: {id} leaves no identities for new bodies; the most is {MOST_ID}"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Refuses zeros in a column that has to be positive.
+fn positive(name: &str, values: &[f64], why: &str) -> Result<(), String> {
+    match values.iter().position(|&x| x == 0.0) {
+        Some(i) => Err(format!("{name}: entry {i} (from 0) is 0, but {why}")),
+        None => Ok(()),
+    }
+}
+
 fn column(rows: &Rows, name: &str) -> Vec<f64> {
     rows.more.get(name).cloned().unwrap_or_default()
 }
@@ -75,6 +134,7 @@ fn gas(rows: &Rows, scene: &Scene) -> Result<Particles, String> {
         return Ok(Particles::default());
     };
     let hydro = hydro(scene, gas);
+    positive("Masses", &rows.m, "gas without mass has no density")?;
     let u = column(rows, "InternalEnergies");
     if u.is_empty() && hydro.eos.is_free() {
         return Err(
@@ -82,6 +142,14 @@ fn gas(rows: &Rows, scene: &Scene) -> Result<Particles, String> {
         );
     }
     let mut h = column(rows, "SmoothingLengths");
+    let periods = (0..3).map(|axis| scene.domain.period(axis));
+    let shortest = periods.filter(|&p| p > 0.0).fold(f64::INFINITY, f64::min);
+    if let Some(i) = h.iter().position(|&h| h > MOST_BOXES * shortest) {
+        return Err(format!(
+            "SmoothingLengths: entry {i} (from 0) is {:e}, more than {MOST_BOXES} times the periodic box",
+            h[i]
+        ));
+    }
     if h.is_empty() {
         h = vec![guess(rows, scene, hydro.support(), hydro.neighbours); rows.len()];
     }
@@ -131,6 +199,11 @@ fn dust(rows: &Rows, scene: &Scene) -> Result<Superparticles, String> {
     let mut grain_density = column(rows, "GrainDensities");
     if grain_density.is_empty() {
         grain_density = vec![dust.material_density; n];
+    }
+    if dust.drag.is_physical() && scene.coupling.gas_dust {
+        let why = "the law of drag asks for the size and the density of grains";
+        positive("GrainRadii", &grain_radius, why)?;
+        positive("GrainDensities", &grain_density, why)?;
     }
     let mut particles = Superparticles {
         id: rows.id.clone(),

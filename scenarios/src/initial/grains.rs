@@ -31,14 +31,19 @@ impl Sizes {
             Self::One(radius) => radius,
             Self::PowerLaw { min, max, slope } => {
                 let power = slope + 4.0;
-                let ratio = (max / min).ln();
+                let ratio = match max / min {
+                    f64::INFINITY => max.ln() - min.ln(),
+                    finite => finite.ln(),
+                };
                 // min [1 + u ((max/min)^power - 1)]^(1/power), also for a power near zero.
                 let grown = if power.abs() < 1e-8 {
                     u * ratio
                 } else {
-                    (u * (power * ratio).exp_m1()).ln_1p() / power
+                    growth(u, power * ratio) / power
                 };
-                min * grown.exp()
+                // Half at a time: the whole factor may be no number.
+                let half = (0.5 * grown).exp();
+                min * half * half
             }
         }
     }
@@ -52,6 +57,15 @@ impl Sizes {
             sound,
             "radii of grains are not negative and ascend: {self:?}"
         );
+    }
+}
+
+/// ln[1 + u (e^p - 1)], also where e^p is no number.
+fn growth(u: f64, p: f64) -> f64 {
+    if p > 500.0 && u > 0.0 {
+        p + u.ln()
+    } else {
+        (u * p.exp_m1()).ln_1p()
     }
 }
 

@@ -103,7 +103,7 @@ fn disk(gas: &Section<'_>, facts: &Facts, eos: &Eos) -> Option<Disk> {
         exponent,
         inner_radius: section.required("inner_radius", inner, what, f64::NAN),
         outer_radius: section.required("outer_radius", outer, what, f64::NAN),
-        taper: section.number("taper", Range::NOT_NEGATIVE).unwrap_or(2.0),
+        taper: section.number("taper", Range::POSITIVE).unwrap_or(2.0),
     };
     section.close();
     Some(disk)

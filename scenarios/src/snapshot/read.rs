@@ -208,6 +208,8 @@ fn particles(
         "GrainRadii",
         "Radii",
         "SmoothingLengths",
+        "Densities",
+        "GrainDensities",
     ] {
         if let Some(values) = more.get(name) {
             not_negative(group, name, values)?;
@@ -318,7 +320,7 @@ fn not_negative(group: &Group, name: &str, values: &[f64]) -> Result<()> {
         Some(i) => {
             let place = path_of(group, name);
             Err(Trouble::Wrong(format!(
-                "{place}: entry {i} (from 0) is negative, {}",
+                "{place}: entry {i} (from 0) is negative, {:e}",
                 values[i]
             )))
         }

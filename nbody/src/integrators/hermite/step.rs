@@ -7,7 +7,7 @@
 //! Source: Aarseth (1985); Nitadori & Makino (2008), eqs. 8 to 11.
 
 use super::Field;
-use crate::points::Vec3;
+use crate::points::{Vec3, length};
 
 /// eta_c of eta^(2/3).
 const CENTRE: f64 = 0.6;
@@ -121,7 +121,8 @@ impl End {
 
 /// Aarseth's time; infinite for what does not change.
 fn time(derivatives: [Vec3; 4]) -> f64 {
-    let [a, j, s, c] = derivatives.map(|d| d.norm());
+    // The squares of the higher ones leave the range of numbers first.
+    let [a, j, s, c] = derivatives.map(length);
     let slow = j * c + s * s;
     if slow == 0.0 {
         f64::INFINITY

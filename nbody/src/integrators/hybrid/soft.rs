@@ -10,7 +10,7 @@ use fearless_simd::Level;
 use super::changeover::soft_part;
 use super::{Hybrid, typical};
 use crate::bodies::{Bodies, Kind};
-use crate::gravity::{Gravity, Settings};
+use crate::gravity::{Gravity, Settings, per_distance};
 use crate::points::Vec3;
 use crate::points::sum::CHUNK;
 use rayon::prelude::*;
@@ -101,7 +101,7 @@ impl Soft {
                 (0..x.len()).filter(|&j| j != i && kind[j] != Kind::Planet as u32 && m[j] > 0.0);
             let over = |j: usize| {
                 let eps2 = softening[i] * softening[i] + softening[j] * softening[j];
-                m[j] / ((x[j] - x[i]).norm_squared() + eps2).sqrt()
+                m[j] * per_distance((x[j] - x[i]).norm_squared() + eps2)
             };
             -self.g * others.map(over).sum::<f64>()
         };
