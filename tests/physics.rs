@@ -6,6 +6,7 @@ mod coupled {
     mod economy;
     mod reproducible;
     mod splitting;
+    mod temperature;
 }
 mod dust {
     mod clumps;
