@@ -52,6 +52,8 @@ pub struct Settings {
     pub feedback: bool,
     /// Share of the frictional heat that the gas keeps; the rest is radiated.
     pub heat_share: f64,
+    /// Whether the gas is bound to a temperature: it gives off what else changes its heat at the end of its step.
+    pub bound: bool,
     /// Whether drag and the kick of the half step are solved together.
     pub joint: bool,
 }
@@ -64,6 +66,7 @@ impl Settings {
             reach,
             feedback: true,
             heat_share: 1.0,
+            bound: false,
             joint: true,
         }
     }
@@ -183,7 +186,7 @@ impl Exchange {
         if settings.feedback {
             let domain = self.domain;
             let when = (&domain, half, clock);
-            (self.touched).push(gas, settings.heat_share, when, &mut booking);
+            self.touched.push(gas, settings, when, &mut booking);
             if half == Half::Opening {
                 blocks.par_iter_mut().for_each(Block::spread_coming);
                 self.touched.sum(blocks, gas);

@@ -37,7 +37,7 @@ fn gas_bound_to_a_temperature_keeps_it_beside_dust() {
     let mut worst: f64 = 0.0;
     let done = trial.run(&[0.0, 1.0, 2.0], |stop| {
         let (gas, star) = (&stop.system.gas.particles, stop.system.star.x[0]);
-        // u goes as the square of the sound speed, H/R R^(-1/4), at the distance from the axis.
+        // u goes as the square of the sound speed, H/R R^(-1/4), at the distance from the star.
         let whole: Vec<f64> = (gas.x.iter().zip(&gas.u))
             .map(|(x, u)| u * (x - star).xy().norm().sqrt())
             .collect();

@@ -21,6 +21,7 @@ fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) ->
     Exchange::new(Settings {
         feedback,
         heat_share,
+        bound: !hydro.eos.is_free(),
         ..Settings::new(law, reach)
     })
 }

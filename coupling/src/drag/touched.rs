@@ -6,7 +6,7 @@ use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::{Booking, Half, Parcel, Vec3};
+use super::{Booking, Half, Parcel, Settings, Vec3};
 
 const NOWHERE: u32 = u32::MAX;
 
@@ -106,7 +106,9 @@ impl Touched {
     pub fn push(
         &self,
         gas: &mut Gas,
-        heat_share: f64,
+        &Settings {
+            heat_share, bound, ..
+        }: &Settings,
         (domain, half, clock): (&Domain, Half, &Clock),
         booking: &mut Booking,
     ) {
@@ -133,13 +135,15 @@ impl Touched {
             booking.frame += m * (change - dv);
             particles.v[j] += change;
             rates.v_pred[j] += dv;
-            particles.u[j] += heat_share * heat;
-            rates.u_pred[j] += heat_share * heat;
+            let mut warmed = heat_share * heat;
             if half == Half::Closing && (clock.synchronous() || particles.end[j] == clock.tick) {
                 // Pressure has worked on the velocity that was foreseen between its half steps.
                 let work = (dv - foreseen).dot(&(rates.dv_close[j] + rates.dv_open[j]));
-                particles.u[j] -= work;
-                rates.u_pred[j] -= work;
+                warmed -= work;
+            }
+            particles.u[j] += warmed;
+            if !bound {
+                rates.u_pred[j] += warmed;
             }
         }
     }
