@@ -9,24 +9,50 @@ pub fn lost(x: f64) -> f64 {
     -(-x).exp_m1()
 }
 
+/// 1/2!, 1/3!, ...
+const SERIES: [f64; 13] = {
+    let mut series = [0.5; 13];
+    let mut n = 1;
+    while n < 13 {
+        series[n] = series[n - 1] / (n + 2) as f64;
+        n += 1;
+    }
+    series
+};
+
 /// 1 - (1 - e^-x)/x.
 pub fn lag(x: f64) -> f64 {
     if x > 0.5 {
         return 1.0 - lost(x) / x;
     }
     // x/2! - x^2/3! + ..., to x^13 for 16 digits at 0.5.
-    let mut term = 0.5 * x;
-    let mut sum = term;
-    for n in 3..15 {
-        term *= -x / f64::from(n);
-        sum += term;
-    }
-    sum
+    x * SERIES.iter().rev().fold(0.0, |sum, c| c - x * sum)
 }
 
-/// Change of u by the relaxation alone.
-pub fn change(x: f64, u: Vec3, a: Vec3) -> Vec3 {
-    -lost(x) * u - lag(x) * a
+/// Both at once.
+#[derive(Clone, Copy, Debug)]
+pub struct Relaxation {
+    pub lost: f64,
+    pub lag: f64,
+}
+
+impl Relaxation {
+    pub fn of(x: f64) -> Self {
+        if x > 0.5 {
+            let lost = lost(x);
+            let lag = 1.0 - lost / x;
+            Self { lost, lag }
+        } else {
+            let lag = lag(x);
+            let lost = x * (1.0 - lag);
+            Self { lost, lag }
+        }
+    }
+
+    /// Change of u by the relaxation alone.
+    pub fn change(&self, u: Vec3, a: Vec3) -> Vec3 {
+        -self.lost * u - self.lag * a
+    }
 }
 
 #[cfg(test)]

@@ -3,12 +3,15 @@
 use gas::probe::Shape;
 use nbody::points::Vec3;
 
-use super::relaxation::{change, lag};
+use super::relaxation::Relaxation;
 use super::{Ambient, Booking, Half, Immersed, StoppingLaw};
 
 /// An immersed particle: the gas around it, and its exchange.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
+    /// which particle it is, and its place in the block's list
+    pub i: u32,
+    pub place: u32,
     pub h: f64,
     pub rho: f64,
     pub c: f64,
@@ -16,8 +19,6 @@ pub struct Row {
     pub crossing: f64,
     pub shape: Shape,
     pub gain: f64,
-    /// Place of its rigid shape in `turns`.
-    pub turn: u32,
     pub eps: f64,
     pub m: f64,
     pub t_stop: f64,
@@ -60,22 +61,22 @@ impl Row {
         };
         let load = 1.0 + self.eps;
         let depth = |speed: f64| law.e_foldings(&sphere, &ambient, speed, load * step);
-        let mut x = depth(start.norm());
+        let mut relaxation = Relaxation::of(depth(start.norm()));
         if !law.is_linear() && kick != Vec3::zeros() {
             // Half of what the kick leaves at the end stands for its effect on the stopping time.
-            x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
+            let middle = start + 0.5 * (1.0 - relaxation.lag) * kick;
+            relaxation = Relaxation::of(depth(middle.norm()));
         }
-        self.dv = change(x, start, kick) / load;
-        self.share = lag(x) / load;
+        let change = relaxation.change(start, kick);
+        self.dv = change / load;
+        self.share = relaxation.lag / load;
         if half == Half::Opening {
             // The other half goes on from here, by the same kick.
-            let next = start + kick + change(x, start, kick);
-            let x = if law.is_linear() {
-                x
-            } else {
-                depth(next.norm())
-            };
-            self.coming = change(x, next, kick) / load;
+            let next = start + kick + change;
+            if !law.is_linear() {
+                relaxation = Relaxation::of(depth(next.norm()));
+            }
+            self.coming = relaxation.change(next, kick) / load;
             self.coming_heat = -self.m * self.coming.dot(&(next + 0.5 * (kick + self.coming)));
         }
         self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
