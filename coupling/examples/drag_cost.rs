@@ -30,8 +30,20 @@ fn gas(edge: usize) -> Gas {
     let n = edge * edge * edge;
     let spacing = 1.0 / edge as f64;
     let noise = |i: usize, k: f64| 0.3 * ((i as f64 * k).fract() - 0.5);
-    let cell = |i: usize| Vec3::new((i % edge) as f64, (i / edge % edge) as f64, (i / edge / edge) as f64);
-    let jitter = |i| Vec3::new(noise(i, 0.754_877_7), noise(i, 0.569_840_3), noise(i, 0.346_014_6));
+    let cell = |i: usize| {
+        Vec3::new(
+            (i % edge) as f64,
+            (i / edge % edge) as f64,
+            (i / edge / edge) as f64,
+        )
+    };
+    let jitter = |i| {
+        Vec3::new(
+            noise(i, 0.754_877_7),
+            noise(i, 0.569_840_3),
+            noise(i, 0.346_014_6),
+        )
+    };
     let mut x: Vec<Vec3> = (0..n)
         .map(|i| spacing * (cell(i) + jitter(i) + Vec3::repeat(0.5)))
         .collect();
@@ -68,7 +80,9 @@ fn grains(n: usize) -> Dust {
 }
 
 fn main() {
-    let mut arguments = std::env::args().skip(1).map(|word| word.parse().expect("a number"));
+    let mut arguments = std::env::args()
+        .skip(1)
+        .map(|word| word.parse().expect("a number"));
     let ratio: f64 = arguments.next().unwrap_or(10.0);
     let ticks = arguments.next().unwrap_or(4.0) as usize;
     let edge = arguments.next().unwrap_or(40.0) as usize;
@@ -91,7 +105,10 @@ fn main() {
             domain.wrap(x);
         }
         let start = ProcessTime::now();
-        let mut seen = Grains { dust: &mut dust, star: Star::default() };
+        let mut seen = Grains {
+            dust: &mut dust,
+            star: Star::default(),
+        };
         exchange.prepare(&gas, &mut seen, &active, &domain);
         let prepared = start.elapsed();
         let clock = Clock::standing(tick as f64);
@@ -101,15 +118,27 @@ fn main() {
         let opened = start.elapsed();
         if tick >= WARM {
             let parts = [prepared, closed - prepared, opened - closed];
-            parts.iter().zip(&mut spent).for_each(|(part, sum)| *sum += part.as_secs_f64());
+            parts
+                .iter()
+                .zip(&mut spent)
+                .for_each(|(part, sum)| *sum += part.as_secs_f64());
         }
     }
     let each = 1e6 / (ticks.max(1) * active.len()) as f64;
-    println!("{} grains in {} gas particles, CPU us a grain and tick:", active.len(), gas.len());
+    println!(
+        "{} grains in {} gas particles, CPU us a grain and tick:",
+        active.len(),
+        gas.len()
+    );
     for (name, time) in ["prepare", "close", "open"].iter().zip(spent) {
         println!("{name:8} {:.3}", each * time);
     }
     println!("{:8} {:.3}", "all", each * spent.iter().sum::<f64>());
-    let sum: f64 = dust.particles.v.iter().map(|v| v.x + 2.0 * v.y + 3.0 * v.z).sum();
+    let sum: f64 = dust
+        .particles
+        .v
+        .iter()
+        .map(|v| v.x + 2.0 * v.y + 3.0 * v.z)
+        .sum();
     println!("sum of velocities {sum:.15e}");
 }

@@ -73,7 +73,7 @@ impl Settings {
 }
 
 /// Immersed particles a block: blocks are fixed by the list of active particles alone, so that results do not depend on threads.
-const BLOCK: usize = 256;
+const BLOCK: usize = 512;
 
 /// The pairs of the active particles at a tick, and the buffers of the exchange.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use nbody::points::{Domain, Vec3};
 use super::bundles::Bundles;
 use super::group::{Cell, Member, RUN, cut};
 use super::loose::Loose;
-use super::row::Row;
+use super::row::{ABREAST, Drive, Row, relax};
 use super::slots::Slots;
 use super::{Booking, Half, Immersed, Parcel, Settings, parcel};
 
@@ -102,7 +102,10 @@ impl Block {
         self.loose.clear();
         scratch.members.clear();
         for (&i, place) in members.iter().zip(0..) {
-            let (x, mut h) = (immersed.position(i as usize), immersed.smoothing(i as usize));
+            let (x, mut h) = (
+                immersed.position(i as usize),
+                immersed.smoothing(i as usize),
+            );
             if h <= 0.0 {
                 let weights = &mut scratch.weights;
                 weights.find(&mut scratch.own, gas, domain, (x, h), reach);
@@ -265,18 +268,22 @@ impl Block {
         self.seen.fill([0.0; 8]);
         self.bundles.seen::<7, 8>(&self.field, &mut self.seen);
         self.loose.seen(&self.field, &mut self.seen);
-        for (row, seen) in self.rows.iter_mut().zip(&self.seen) {
-            let i = row.i as usize;
-            let v_gas = vector(seen, 0);
-            let v = relative(row.x, immersed.velocity(i));
-            let a = match immersed.acceleration(i) {
-                Some(a) if settings.joint => a + turning(v) - vector(seen, 4),
-                _ => Vec3::zeros(),
+        for (rows, seen) in self.rows.chunks_mut(ABREAST).zip(self.seen.chunks(ABREAST)) {
+            let mut drive = Drive {
+                step: [0.0; ABREAST],
+                a: [Vec3::zeros(); ABREAST],
             };
-            row.v_gas = v_gas;
-            row.u_tick = v - v_gas;
-            let step = steps[row.place as usize];
-            row.relax(&settings.law, immersed, i, (step, half), a);
+            for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
+                let i = row.i as usize;
+                let v = relative(row.x, immersed.velocity(i));
+                row.v_gas = vector(seen, 0);
+                row.u_tick = v - row.v_gas;
+                drive.step[lane] = steps[row.place as usize];
+                if let Some(a) = immersed.acceleration(i).filter(|_| settings.joint) {
+                    drive.a[lane] = a + turning(v) - vector(seen, 4);
+                }
+            }
+            relax(rows, &settings.law, immersed, &drive, half);
         }
     }
 

@@ -6,7 +6,7 @@ use nbody::points::{Domain, Vec3};
 pub const RUN: usize = 8;
 
 /// Most members of a cell.
-const MOST: usize = 256;
+const MOST: usize = 128;
 
 /// Largest extent of a cell by the largest smoothing length of a member.
 const EXTENT: f64 = 3.0;
@@ -54,9 +54,7 @@ impl Cell {
         let extent = domain.in_plane(self.hi - self.lo).max();
         let alike = |member: &Member| self.h <= RATIO * member.h;
         members.len() == 1
-            || members.len() <= MOST
-                && extent <= EXTENT * self.h
-                && members.iter().all(alike)
+            || members.len() <= MOST && extent <= EXTENT * self.h && members.iter().all(alike)
     }
 }
 

@@ -100,11 +100,7 @@ impl Bundle {
         if !self.choose(simd, candidates, &x, available, most) {
             return 0;
         }
-        let x = [
-            lanes(simd, &x[0]),
-            lanes(simd, &x[1]),
-            lanes(simd, &x[2]),
-        ];
+        let x = [lanes(simd, &x[0]), lanes(simd, &x[1]), lanes(simd, &x[2])];
         self.distances(candidates, &x);
         let mut found = self.radius(simd, kernel, &mut start, available, reach.neighbours);
         let radius = lanes(simd, &start);
