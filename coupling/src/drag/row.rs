@@ -76,9 +76,10 @@ pub fn relax<I: Immersed>(
 #[inline(always)]
 fn vectors<S: Simd>(simd: S, of: impl Fn(usize) -> Vec3) -> Vectors<S> {
     let mut columns = [[0.0; ABREAST]; 3];
-    for lane in 0..ABREAST {
+    let [x, y, z] = &mut columns;
+    for (lane, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
         let v = of(lane);
-        (0..3).for_each(|axis| columns[axis][lane] = v[axis]);
+        (*x, *y, *z) = (v.x, v.y, v.z);
     }
     [
         f64x8::from_slice(simd, &columns[0]),

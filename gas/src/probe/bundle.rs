@@ -128,16 +128,17 @@ impl Bundle {
             let ends = (f64::INFINITY, f64::NEG_INFINITY);
             x.iter().fold(ends, |(lo, hi), &x| (lo.min(x), hi.max(x)))
         });
-        let room = columns[0].len() * LANES + LANES;
+        let room = candidates.x.len() + LANES;
         if self.place.len() < room {
             self.place.resize(room, 0);
         }
         let mut near = 0;
-        for c in 0..columns[0].len() {
+        let [xs, ys, zs] = columns;
+        for (c, ((x, y), z)) in xs.iter().zip(ys).zip(zs).enumerate() {
             let mut square = f64x8::splat(simd, 0.0);
-            for axis in 0..3 {
-                let x = lanes(simd, &columns[axis][c]);
-                let gap = (x - ends[axis].1).max(-x + ends[axis].0).max(0.0);
+            for (x, (lo, hi)) in [x, y, z].into_iter().zip(ends) {
+                let x = lanes(simd, x);
+                let gap = (x - hi).max(-x + lo).max(0.0);
                 square = gap.mul_add(gap, square);
             }
             let inside = square.simd_lt(available * available).to_bitmask() as u8;
@@ -199,10 +200,10 @@ impl Bundle {
                 break;
             }
         }
-        for lane in 0..LANES {
-            if !(radius[lane] > 0.0 && radius[lane] <= available) {
+        for (lane, radius) in radius.iter_mut().enumerate() {
+            if !(*radius > 0.0 && *radius <= available) {
                 found &= !(1 << lane);
-                radius[lane] = available;
+                *radius = available;
             }
         }
         found
