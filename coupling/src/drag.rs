@@ -12,12 +12,15 @@
 
 mod block;
 mod booking;
+mod bundles;
 mod group;
 mod immersed;
+mod loose;
 mod operators;
 mod prescribed;
 mod relaxation;
 mod row;
+mod slots;
 mod touched;
 
 use gas::Gas;
@@ -31,7 +34,7 @@ pub use immersed::{BodiesInGas, Grains, Immersed, Star};
 pub use operators::{BodyDrag, DustDrag};
 pub use prescribed::{DustInDisk, Ties};
 
-use block::{Block, Scratch};
+use block::Block;
 use touched::Touched;
 
 /// Which half of its step a particle does at a tick.
@@ -73,7 +76,7 @@ impl Settings {
 }
 
 /// Immersed particles a block: blocks are fixed by the list of active particles alone, so that results do not depend on threads.
-const BLOCK: usize = 256;
+const BLOCK: usize = 512;
 
 /// The pairs of the active particles at a tick, and the buffers of the exchange.
 #[derive(Clone, Debug)]
@@ -83,6 +86,8 @@ pub struct Exchange {
     blocks: Vec<Block>,
     used: usize,
     touched: Touched,
+    /// Whether the sums over the touched gas are the loads of the prepared particles.
+    fresh: bool,
     /// The domain as it was prepared for.
     domain: Domain,
 }
@@ -99,6 +104,7 @@ impl Exchange {
             blocks: Vec::new(),
             used: 0,
             touched: Touched::default(),
+            fresh: false,
             domain: Domain::open(),
         }
     }
@@ -124,27 +130,21 @@ impl Exchange {
         self.blocks[..self.used]
             .par_iter_mut()
             .zip(active.par_chunks(BLOCK))
-            .for_each_init(Scratch::default, |scratch, (block, members)| {
-                block.link(gas, seen, members, (domain, &settings.reach), scratch);
+            .for_each(|(block, members)| {
+                block.link(gas, seen, members, (domain, &settings.reach));
+                if settings.feedback {
+                    block.spread_load();
+                }
             });
-        for (block, members) in self.blocks.iter().zip(active.chunks(BLOCK)) {
-            block.keep_smoothing(immersed, members);
+        for block in &self.blocks[..self.used] {
+            block.keep_smoothing(immersed);
         }
         if settings.feedback {
-            self.load(gas);
+            let blocks = &mut self.blocks[..self.used];
+            self.touched.list(blocks, gas);
+            self.touched.sum(blocks, gas);
+            self.fresh = true;
         }
-    }
-
-    /// Lists the touched gas and finds eps of all active particles.
-    fn load(&mut self, gas: &Gas) {
-        let blocks = &mut self.blocks[..self.used];
-        self.touched.list(blocks, gas);
-        blocks.par_iter_mut().for_each(Block::spread_load);
-        self.touched.sum(blocks, gas);
-        let touched = &self.touched;
-        blocks
-            .par_iter_mut()
-            .for_each(|block| block.gather_load(touched));
     }
 
     /// Drag over the half steps `steps` of the active particles, as they were given to [`Exchange::prepare`], at the tick of `clock`.
@@ -163,14 +163,20 @@ impl Exchange {
         let blocks = &mut self.blocks[..self.used];
         let (settings, domain) = (&self.settings, &self.domain);
         let (seen, see) = (&*immersed, &*gas);
+        let (touched, fresh) = (&self.touched, std::mem::take(&mut self.fresh));
         blocks
             .par_iter_mut()
-            .zip(self.active.par_chunks(BLOCK).zip(steps.par_chunks(BLOCK)))
-            .for_each(|(block, (members, steps))| {
-                block.relax(see, seen, (members, steps), half, (settings, domain));
+            .zip(steps.par_chunks(BLOCK))
+            .for_each(|(block, steps)| {
+                if fresh {
+                    block.gather_load(touched);
+                }
+                block.relax(see, seen, steps, half, (settings, domain));
+                if settings.feedback {
+                    block.spread_impulse();
+                }
             });
         if settings.feedback {
-            blocks.par_iter_mut().for_each(Block::spread_impulse);
             self.touched.sum(blocks, see);
             let touched = &self.touched;
             blocks.par_iter_mut().for_each(|block| {
@@ -180,8 +186,8 @@ impl Exchange {
             self.touched.sum(blocks, see);
         }
         let mut booking = Booking::default();
-        for (block, members) in blocks.iter().zip(self.active.chunks(BLOCK)) {
-            block.push(immersed, members, &mut booking);
+        for block in &*blocks {
+            block.push(immersed, &mut booking);
         }
         if settings.feedback {
             let domain = self.domain;
@@ -199,11 +205,6 @@ impl Exchange {
                 .for_each(|block| block.give_away(&mut booking));
         }
         booking
-    }
-
-    /// 1 + eps of each prepared particle.
-    pub fn loads(&self) -> impl Iterator<Item = f64> {
-        self.blocks[..self.used].iter().flat_map(Block::loads)
     }
 }
 

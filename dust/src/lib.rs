@@ -10,5 +10,5 @@ pub mod stopping;
 pub mod superparticles;
 
 pub use stirring::{Air, Turbulence};
-pub use stopping::{Ambient, Molecules, Sphere, StoppingLaw};
+pub use stopping::{Abreast, Ambient, Molecules, Sphere, StoppingLaw};
 pub use superparticles::{Derived, Dust, Rates, Superparticles};

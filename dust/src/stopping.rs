@@ -9,7 +9,11 @@
 //! Bodies: C_D = 1 / (1 / (24/Re + 40/(10 + Re)) + 3 M/8) + (2 - w) M/(1 + M) + w, w = 0.4, or 0.2 above Re = 2e5: a smooth form
 //! of the laws of Adachi, Hayashi & Nakazawa (1976, Prog. Theor. Phys. 56, 1756) as given by Tanigawa, Maruta & Machida (2014, ApJ 784, 109).
 
+mod abreast;
+
 use std::f64::consts::{LN_2, PI};
+
+pub use abreast::Abreast;
 
 /// Molecules of the gas: what the mean free path follows from.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,6 +5,7 @@
 //! Points further than the largest H from all gas see none: density 0. Gradients are least squares over the neighbours, f_j against r_j with
 //! weights |w_j|: exact for linear fields too, also at an edge.
 
+mod bundle;
 mod candidates;
 mod near;
 mod weights;
@@ -12,6 +13,7 @@ mod weights;
 use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
+pub use bundle::{Bundle, Lanes};
 pub use candidates::Candidates;
 pub use weights::{Leverage, Shape, Weights, radius};
 

@@ -5,6 +5,7 @@
 pub mod clock;
 pub mod columns;
 pub mod domain;
+pub mod exponential;
 pub mod fault;
 pub mod hill;
 mod level;

@@ -1,44 +1,43 @@
-//! Block: a run of immersed particles with its pairs, and its own copies ("slots") of the gas that they see.
+//! Block: a run of immersed particles with its weights, and its own copies ("slots") of the gas that they see.
 //!
 //! Everything a block writes is its own: sums over gas are formed slot by slot and added up over the blocks afterwards, in a fixed order.
 
+use std::cell::RefCell;
+
 use gas::Gas;
-use gas::probe::{Candidates, Reach, Shape, Weights, isothermal, radius};
-use nalgebra::Matrix3;
+use gas::probe::{Bundle, Candidates, Reach, Shape, Weights, isothermal, radius};
 use nbody::points::{Domain, Vec3};
 
-use super::group::Group;
-use super::row::Row;
+use super::bundles::Bundles;
+use super::group::{Cell, Member, RUN, cut};
+use super::loose::Loose;
+use super::row::{ABREAST, Drive, Row, relax};
+use super::slots::Slots;
 use super::{Booking, Half, Immersed, Parcel, Settings, parcel};
 
 /// Buffers of a thread while it links blocks.
 #[derive(Default)]
-pub struct Scratch {
+struct Scratch {
+    members: Vec<Member>,
+    cells: Vec<Cell>,
     candidates: Candidates,
-    /// of a member that finds too little in the group's
+    /// of a member that finds too little in the cell's
     own: Candidates,
+    bundle: Bundle,
     weights: Weights,
-    window: Vec<u32>,
+    slots: Slots,
 }
 
-/// What a rigid shape adds to the weights.
-#[derive(Clone, Copy, Debug)]
-struct Turn {
-    offset: Vec3,
-    inverse_inertia: Matrix3<f64>,
-    first_arm: usize,
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
 #[derive(Clone, Debug, Default)]
 pub struct Block {
     rows: Vec<Row>,
-    /// first pair of each row, and the end
-    start: Vec<u32>,
-    slot: Vec<u32>,
-    weight: Vec<f64>,
-    turns: Vec<Turn>,
-    arms: Vec<Vec3>,
-    /// gas particle of each slot, ascending
+    bundles: Bundles,
+    loose: Loose,
+    /// gas particle of each slot
     pub gas: Vec<u32>,
     /// place of each slot in the list of touched gas
     pub place: Vec<u32>,
@@ -48,6 +47,8 @@ pub struct Block {
     pub half: f64,
     /// velocity and acceleration of each slot
     field: Vec<[f64; 8]>,
+    /// columns of a field, at each row
+    seen: Vec<[f64; 8]>,
 }
 
 /// Three columns from `first` on.
@@ -55,8 +56,12 @@ fn vector(columns: &[f64], first: usize) -> Vec3 {
     Vec3::new(columns[first], columns[first + 1], columns[first + 2])
 }
 
-/// How far beyond its last neighbourhood a particle first looks, by the radius.
+/// How far beyond its last neighbourhood a particle first looks, by its radius.
 const MARGIN: f64 = 1.1;
+
+/// Fewest members that are bundled, and the most gas particles that they may share: beyond, most weights would be zeros.
+const FEWEST: usize = 4;
+const WIDEST: usize = 192;
 
 impl Block {
     /// Finds the gas around the members.
@@ -66,36 +71,129 @@ impl Block {
         immersed: &I,
         members: &[u32],
         (domain, reach): (&Domain, &Reach),
+    ) {
+        SCRATCH.with_borrow_mut(|scratch| {
+            self.list(gas, immersed, members, (domain, reach), scratch);
+            for c in 0..scratch.cells.len() {
+                self.link_cell(gas, scratch.cells[c], (domain, reach), scratch);
+            }
+            let slots = &mut scratch.slots;
+            slots.clear(gas.len());
+            self.bundles.name(|j| slots.mark(j));
+            self.loose.name(|j| slots.mark(j));
+            slots.number(&mut self.gas);
+            self.bundles.name(|j| *j = slots.of(*j));
+            self.loose.name(|j| *j = slots.of(*j));
+        });
+        self.place.resize(self.gas.len(), 0);
+        self.hear(gas, immersed, domain);
+    }
+
+    /// Brings the members into order; those without a smoothing length get one.
+    fn list<I: Immersed>(
+        &mut self,
+        gas: &Gas,
+        immersed: &I,
+        members: &[u32],
+        (domain, reach): (&Domain, &Reach),
         scratch: &mut Scratch,
     ) {
-        self.clear();
-        let mut first = 0;
-        while first < members.len() {
-            let group = Group::new(immersed, &members[first..], domain);
-            let available = (MARGIN * group.radius).min(radius(domain, reach.largest));
-            let warm = group.radius > 0.0;
-            if warm {
-                scratch
-                    .candidates
-                    .gather(gas, domain, group.lo, group.hi, available);
+        self.bundles.clear();
+        self.loose.clear();
+        scratch.members.clear();
+        for (&i, place) in members.iter().zip(0..) {
+            let (x, mut h) = (
+                immersed.position(i as usize),
+                immersed.smoothing(i as usize),
+            );
+            if h <= 0.0 {
+                let weights = &mut scratch.weights;
+                weights.find(&mut scratch.own, gas, domain, (x, h), reach);
+                h = weights.h;
             }
-            let weights = &mut scratch.weights;
-            for &i in &members[first..first + group.count] {
-                let i = i as usize;
-                let start = (immersed.position(i), immersed.smoothing(i));
-                if !(warm && weights.fit(&scratch.candidates, domain, start, available, reach)) {
-                    weights.find(&mut scratch.own, gas, domain, start, reach);
-                }
-                self.add(weights, immersed.mass(i));
-            }
-            first += group.count;
+            scratch.members.push(Member { x, h, place });
         }
-        self.number_slots(&mut scratch.window);
-        self.place.resize(self.gas.len(), 0);
-        self.hear(gas, domain);
-        for (row, &i) in self.rows.iter_mut().zip(members) {
-            let i = i as usize;
-            let u = domain.relative(immersed.position(i), immersed.velocity(i)) - row.v_gas;
+        scratch.cells.clear();
+        cut(&mut scratch.members, 0, domain, &mut scratch.cells);
+        self.rows.clear();
+        self.rows.extend(scratch.members.iter().map(|member| {
+            let i = members[member.place as usize];
+            Row {
+                place: member.place,
+                i,
+                m: immersed.mass(i as usize),
+                x: member.x,
+                h: member.h,
+                ..Row::default()
+            }
+        }));
+    }
+
+    fn link_cell(
+        &mut self,
+        gas: &Gas,
+        cell: Cell,
+        (domain, reach): (&Domain, &Reach),
+        scratch: &mut Scratch,
+    ) {
+        let available = radius(domain, (MARGIN * cell.h).min(reach.largest));
+        let Scratch {
+            candidates,
+            bundle,
+            weights,
+            own,
+            ..
+        } = scratch;
+        candidates.gather(gas, domain, cell.lo, cell.hi, available);
+        for first in (cell.first..cell.end).step_by(RUN) {
+            let count = RUN.min(cell.end - first);
+            let mut points = [(Vec3::zeros(), 0.0); RUN];
+            for (point, row) in points.iter_mut().zip(&self.rows[first..first + count]) {
+                *point = (row.x, row.h);
+            }
+            let points = &points[..count];
+            let served = if count >= FEWEST {
+                bundle.fit(candidates, domain, points, available, (reach, WIDEST))
+            } else {
+                0
+            };
+            if served != 0 {
+                self.bundles.add(bundle, first, served);
+            }
+            for (lane, &point) in points.iter().enumerate() {
+                let row = &mut self.rows[first + lane];
+                if served >> lane & 1 == 1 {
+                    (row.h, row.rho) = (bundle.h[lane], bundle.rho[lane]);
+                    (row.shape, row.gain) = (Shape::Linear, 1.0);
+                    continue;
+                }
+                if !weights.fit(candidates, domain, point, available, reach) {
+                    weights.find(own, gas, domain, point, reach);
+                }
+                (row.h, row.rho) = (weights.h, weights.rho);
+                (row.shape, row.gain) = (weights.shape, weights.gain);
+                self.loose.add(weights, first + lane);
+            }
+        }
+    }
+
+    /// Sound speed around each row, and the time to cross its smoothing length, by the velocity relative to a shear.
+    fn hear<I: Immersed>(&mut self, gas: &Gas, immersed: &I, domain: &Domain) {
+        self.field.clear();
+        self.field.extend(self.gas.iter().map(|&j| {
+            let j = j as usize;
+            let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
+            [v.x, v.y, v.z, isothermal(gas, j), 1.0, 0.0, 0.0, 0.0]
+        }));
+        self.seen.resize(self.rows.len(), [0.0; 8]);
+        self.bundles.heard::<5, 8>(&self.field, &mut self.seen);
+        self.loose.heard(&self.field, &mut self.seen);
+        for (row, heard) in self.rows.iter_mut().zip(&self.seen) {
+            // Without neighbours everything is zero, and the time to cross infinite.
+            let norm = if heard[4] > 0.0 { heard[4] } else { 1.0 };
+            row.c = (heard[3] / norm).sqrt();
+            let u = domain.relative(row.x, immersed.velocity(row.i as usize));
+            let u = u - vector(heard, 0) / norm;
             row.crossing = match row.shape {
                 Shape::Empty => f64::INFINITY,
                 _ => row.h / (row.c + u.norm()),
@@ -103,154 +201,39 @@ impl Block {
         }
     }
 
-    fn clear(&mut self) {
-        self.rows.clear();
-        self.start.clear();
-        self.start.push(0);
-        self.slot.clear();
-        self.weight.clear();
-        self.turns.clear();
-        self.arms.clear();
-    }
-
-    /// Appends a row; its slots are gas particles until they are numbered.
-    fn add(&mut self, weights: &Weights, m: f64) {
-        if weights.shape == Shape::Rigid {
-            self.turns.push(Turn {
-                offset: weights.offset,
-                inverse_inertia: weights.inverse_inertia,
-                first_arm: self.arms.len(),
-            });
-            self.arms.extend_from_slice(&weights.arm);
-        }
-        self.rows.push(Row {
-            h: weights.h,
-            rho: weights.rho,
-            shape: weights.shape,
-            gain: weights.gain,
-            turn: self.turns.len().saturating_sub(1) as u32,
-            m,
-            ..Row::default()
-        });
-        self.slot.extend_from_slice(&weights.index);
-        self.weight.extend_from_slice(&weights.weight);
-        self.start.push(self.slot.len() as u32);
-    }
-
-    /// Numbers the gas particles of all pairs in ascending order.
-    fn number_slots(&mut self, window: &mut Vec<u32>) {
-        self.gas.clear();
-        if self.slot.is_empty() {
-            return;
-        }
-        let ends = (u32::MAX, 0);
-        let (first, last) = self
-            .slot
-            .iter()
-            .fold(ends, |(lo, hi), &j| (lo.min(j), hi.max(j)));
-        window.clear();
-        window.resize((last - first + 1) as usize, 0);
-        for &j in &self.slot {
-            window[(j - first) as usize] = 1;
-        }
-        for (j, number) in (first..).zip(window.iter_mut()) {
-            if *number == 1 {
-                *number = self.gas.len() as u32;
-                self.gas.push(j);
-            }
-        }
-        for slot in &mut self.slot {
-            *slot = window[(*slot - first) as usize];
-        }
-    }
-
-    /// Mean velocity and isothermal sound speed around each row; the velocity relative to a shear.
-    fn hear(&mut self, gas: &Gas, domain: &Domain) {
-        let state = |&j: &u32| {
-            let j = j as usize;
-            let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
-            parcel(v, isothermal(gas, j))
-        };
-        self.partial.clear();
-        self.partial.extend(self.gas.iter().map(state));
-        for k in 0..self.rows.len() {
-            let (mut sum, mut norm) = ([0.0; 4], 0.0);
-            for (slot, w) in self.pairs(k) {
-                let (state, w) = (&self.partial[slot], w.abs());
-                (0..4).for_each(|n| sum[n] += w * state[n]);
-                norm += w;
-            }
-            let row = &mut self.rows[k];
-            // Without neighbours everything is zero, and the time to cross infinite.
-            let norm = if norm > 0.0 { norm } else { 1.0 };
-            (row.v_gas, row.c) = (vector(&sum, 0) / norm, (sum[3] / norm).sqrt());
-        }
-    }
-
-    fn pairs(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let range = self.start[row] as usize..self.start[row + 1] as usize;
-        let weights = &self.weight[range.clone()];
-        let slots = self.slot[range].iter().map(|&slot| slot as usize);
-        slots.zip(weights.iter().copied())
-    }
-
-    /// Fields of the slots, at a row: vectors in the first three of each four columns.
-    fn seen<const N: usize>(&self, row: usize, field: &[[f64; N]]) -> [f64; N] {
-        let mut sum = [0.0; N];
-        for (slot, w) in self.pairs(row) {
-            let value = &field[slot];
-            (0..N).for_each(|k| sum[k] += w * value[k]);
-        }
-        if self.rows[row].shape == Shape::Rigid {
-            for first in (0..N).step_by(4) {
-                let turned = self.turned(row, |slot| vector(&field[slot], first));
-                (0..3).for_each(|k| sum[first + k] -= turned[k]);
-            }
-        }
-        sum
-    }
-
-    /// Omega x b of a rigid shape.
-    fn turned(&self, row: usize, field: impl Fn(usize) -> Vec3) -> Vec3 {
-        let turn = &self.turns[self.rows[row].turn as usize];
-        let spin: Vec3 = self
-            .pairs(row)
-            .zip(&self.arms[turn.first_arm..])
-            .map(|((slot, w), arm)| w * arm.cross(&field(slot)))
-            .sum();
-        (turn.inverse_inertia * spin).cross(&turn.offset)
-    }
-
-    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
-        for (row, &i) in self.rows.iter().zip(members) {
-            immersed.keep_smoothing(i as usize, row.h, row.crossing);
+    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I) {
+        for row in &self.rows {
+            immersed.keep_smoothing(row.i as usize, row.h, row.crossing);
         }
     }
 
     /// Spreads |w| m over the slots.
     pub fn spread_load(&mut self) {
+        self.empty_partial();
+        let of = |row: usize| self.rows[row].m * self.rows[row].gain;
+        self.bundles.load(of, &mut self.partial);
+        self.loose.load(of, &mut self.partial);
+    }
+
+    fn empty_partial(&mut self) {
         self.partial.clear();
         self.partial.resize(self.gas.len(), [0.0; 4]);
-        for (k, row) in self.rows.iter().enumerate() {
-            let range = self.start[k] as usize..self.start[k + 1] as usize;
-            let load = row.m * row.gain;
-            for (&slot, w) in self.slot[range.clone()].iter().zip(&self.weight[range]) {
-                self.partial[slot as usize][0] += load * w.abs();
-            }
-        }
+    }
+
+    /// Fetches the sums over all blocks.
+    fn fetch(&mut self, touched: &super::Touched) {
+        self.partial.clear();
+        let sums = self.place.iter().map(|&place| touched.sums[place as usize]);
+        self.partial.extend(sums);
     }
 
     /// eps of each row, from the loads of the gas.
     pub fn gather_load(&mut self, touched: &super::Touched) {
-        for (part, &place) in self.partial.iter_mut().zip(&self.place) {
-            *part = touched.sums[place as usize];
-        }
-        for k in 0..self.rows.len() {
-            let load = self
-                .pairs(k)
-                .map(|(slot, w)| w.abs() * self.partial[slot][0])
-                .sum::<f64>();
-            self.rows[k].eps = self.rows[k].gain * load;
+        self.fetch(touched);
+        self.bundles.heard::<1, 4>(&self.partial, &mut self.seen);
+        self.loose.heard(&self.partial, &mut self.seen);
+        for (row, heard) in self.rows.iter_mut().zip(&self.seen) {
+            row.eps = row.gain * heard[0];
         }
     }
 
@@ -259,7 +242,7 @@ impl Block {
         &mut self,
         gas: &Gas,
         immersed: &I,
-        (members, steps): (&[u32], &[f64]),
+        steps: &[f64],
         half: Half,
         (settings, domain): (&Settings, &Domain),
     ) {
@@ -282,20 +265,25 @@ impl Block {
             };
             [v.x, v.y, v.z, 0.0, a.x, a.y, a.z, 0.0]
         }));
-        for (k, (&i, &step)) in members.iter().zip(steps).enumerate() {
-            let i = i as usize;
-            let seen = self.seen(k, &self.field);
-            let v_gas = vector(&seen, 0);
-            let x = immersed.position(i);
-            let v = relative(x, immersed.velocity(i));
-            let a = match immersed.acceleration(i) {
-                Some(a) if settings.joint => a + turning(v) - vector(&seen, 4),
-                _ => Vec3::zeros(),
+        self.seen.fill([0.0; 8]);
+        self.bundles.seen::<7, 8>(&self.field, &mut self.seen);
+        self.loose.seen(&self.field, &mut self.seen);
+        for (rows, seen) in self.rows.chunks_mut(ABREAST).zip(self.seen.chunks(ABREAST)) {
+            let mut drive = Drive {
+                step: [0.0; ABREAST],
+                a: [Vec3::zeros(); ABREAST],
             };
-            let row = &mut self.rows[k];
-            (row.v_gas, row.x) = (v_gas, x);
-            row.u_tick = v - v_gas;
-            row.relax(&settings.law, immersed, i, (step, half), a);
+            for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
+                let i = row.i as usize;
+                let v = relative(row.x, immersed.velocity(i));
+                row.v_gas = vector(seen, 0);
+                row.u_tick = v - row.v_gas;
+                drive.step[lane] = steps[row.place as usize];
+                if let Some(a) = immersed.acceleration(i).filter(|_| settings.joint) {
+                    drive.a[lane] = a + turning(v) - vector(seen, 4);
+                }
+            }
+            relax(rows, &settings.law, immersed, &drive, half);
         }
     }
 
@@ -311,56 +299,29 @@ impl Block {
 
     /// Spreads an impulse and a heat of each row over the slots.
     fn spread(&mut self, of: impl Fn(&Row) -> (Vec3, f64)) {
-        self.partial.clear();
-        self.partial.resize(self.gas.len(), [0.0; 4]);
-        for k in 0..self.rows.len() {
-            let row = self.rows[k];
-            let range = self.start[k] as usize..self.start[k + 1] as usize;
-            let (reaction, heat) = of(&row);
-            let [x, y, z, q] = parcel(reaction, heat);
-            for (&slot, w) in self.slot[range.clone()].iter().zip(&self.weight[range]) {
-                let part = &mut self.partial[slot as usize];
-                part[0] += w * x;
-                part[1] += w * y;
-                part[2] += w * z;
-                part[3] += w * q;
-            }
-            if row.shape == Shape::Rigid {
-                self.spread_turn(k, reaction);
-            }
-        }
-    }
-
-    /// The part of a rigid shape's reaction that keeps the angular momentum.
-    fn spread_turn(&mut self, k: usize, reaction: Vec3) {
-        let turn = &self.turns[self.rows[k].turn as usize];
-        let spin = turn.inverse_inertia * turn.offset.cross(&reaction);
-        let range = self.start[k] as usize..self.start[k + 1] as usize;
-        for (pair, arm) in range.zip(&self.arms[turn.first_arm..]) {
-            let impulse = -self.weight[pair] * spin.cross(arm);
-            let part = &mut self.partial[self.slot[pair] as usize];
-            part[0] += impulse.x;
-            part[1] += impulse.y;
-            part[2] += impulse.z;
-        }
+        self.empty_partial();
+        let of = |row: usize| {
+            let (reaction, heat) = of(&self.rows[row]);
+            parcel(reaction, heat)
+        };
+        self.bundles.spread(of, &mut self.partial);
+        self.loose.spread(of, &mut self.partial);
     }
 
     /// Makes up for what the gas did beyond -eps dv.
     pub fn refine(&mut self, touched: &super::Touched) {
-        for (part, &place) in self.partial.iter_mut().zip(&self.place) {
-            *part = touched.sums[place as usize];
-        }
-        for k in 0..self.rows.len() {
-            let gained = vector(&self.seen(k, &self.partial), 0);
-            let row = &mut self.rows[k];
-            row.dv += row.share * (gained + row.eps * row.dv);
+        self.fetch(touched);
+        self.bundles.seen::<3, 4>(&self.partial, &mut self.seen);
+        self.loose.seen(&self.partial, &mut self.seen);
+        for (row, seen) in self.rows.iter_mut().zip(&self.seen) {
+            row.dv += row.share * (vector(seen, 0) + row.eps * row.dv);
         }
     }
 
     /// Gives the members their change of velocity.
-    pub fn push<I: Immersed>(&self, immersed: &mut I, members: &[u32], booking: &mut Booking) {
-        for (row, &i) in self.rows.iter().zip(members) {
-            row.push(immersed, i as usize, booking);
+    pub fn push<I: Immersed>(&self, immersed: &mut I, booking: &mut Booking) {
+        for row in &self.rows {
+            row.push(immersed, row.i as usize, booking);
             booking.rigid += usize::from(row.shape == Shape::Rigid);
             booking.plain += usize::from(row.shape == Shape::Plain);
             booking.without_gas += usize::from(row.shape == Shape::Empty);
@@ -370,9 +331,5 @@ impl Block {
     /// Books what a gas that feels no reaction would have got.
     pub fn give_away(&self, booking: &mut Booking) {
         self.rows.iter().for_each(|row| row.give_away(booking));
-    }
-
-    pub fn loads(&self) -> impl Iterator<Item = f64> {
-        self.rows.iter().map(|row| 1.0 + row.eps)
     }
 }

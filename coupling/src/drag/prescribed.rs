@@ -11,7 +11,7 @@ use nbody::points::{Fault, Vec3, sum};
 use rayon::prelude::*;
 
 use super::operators::book;
-use super::row::Row;
+use super::row::{ABREAST, Drive, Row, relax};
 use super::{Booking, Grains, Half, Immersed, Star, StoppingLaw};
 use crate::System;
 use crate::external::GasDisk;
@@ -136,6 +136,7 @@ fn relaxed(
 ) -> Row {
     let x = grains.position(i);
     let mut row = Row {
+        i: i as u32,
         m: grains.mass(i),
         x,
         t_stop: f64::INFINITY,
@@ -152,7 +153,11 @@ fn relaxed(
     let square = gas.v.norm_squared() / out.norm_squared();
     let circling = -square * bend(square.sqrt(), whole) * out;
     let own = grains.dust.rates.gravity[i] + frame.centre.lacking(x, whole);
-    row.relax(law, grains, i, (step, half), own - circling - frame.a);
+    let drive = Drive {
+        step: [step; ABREAST],
+        a: [own - circling - frame.a; ABREAST],
+    };
+    relax(std::slice::from_mut(&mut row), law, grains, &drive, half);
     row
 }
 

@@ -1,14 +1,20 @@
 //! Row: one immersed particle in an exchange: the gas around it, and what it does.
 
+use dust::Abreast;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, f64x8};
 use gas::probe::Shape;
 use nbody::points::Vec3;
 
-use super::relaxation::{change, lag};
+use super::relaxation::{Relaxation, Vectors};
 use super::{Ambient, Booking, Half, Immersed, StoppingLaw};
 
 /// An immersed particle: the gas around it, and its exchange.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
+    /// which particle it is, and its place in the block's list
+    pub i: u32,
+    pub place: u32,
     pub h: f64,
     pub rho: f64,
     pub c: f64,
@@ -16,8 +22,6 @@ pub struct Row {
     pub crossing: f64,
     pub shape: Shape,
     pub gain: f64,
-    /// Place of its rigid shape in `turns`.
-    pub turn: u32,
     pub eps: f64,
     pub m: f64,
     pub t_stop: f64,
@@ -36,51 +40,154 @@ pub struct Row {
     pub x: Vec3,
 }
 
-impl Row {
-    /// The change over the half step at relative acceleration `a`, as if the gas changed by -eps times that.
-    pub fn relax<I: Immersed>(
-        &mut self,
-        law: &StoppingLaw,
-        immersed: &I,
-        i: usize,
-        (step, half): (f64, Half),
-        a: Vec3,
-    ) {
-        let kick = a * step;
-        let (start, sign) = match half {
-            Half::Closing => (self.u_tick - kick, -0.5),
-            Half::Opening => (self.u_tick, 0.5),
-        };
-        self.u_middle = self.u_tick + sign * kick;
-        let (sphere, law) = (immersed.sphere(i), immersed.law(i, *law));
-        let ambient = Ambient {
-            rho: self.rho,
-            c: self.c,
-            omega: immersed.omega(i),
-        };
-        let load = 1.0 + self.eps;
-        let depth = |speed: f64| law.e_foldings(&sphere, &ambient, speed, load * step);
-        let mut x = depth(start.norm());
-        if !law.is_linear() && kick != Vec3::zeros() {
-            // Half of what the kick leaves at the end stands for its effect on the stopping time.
-            x = depth((start + 0.5 * (1.0 - lag(x)) * kick).norm());
-        }
-        self.dv = change(x, start, kick) / load;
-        self.share = lag(x) / load;
-        if half == Half::Opening {
-            // The other half goes on from here, by the same kick.
-            let next = start + kick + change(x, start, kick);
-            let x = if law.is_linear() {
-                x
-            } else {
-                depth(next.norm())
-            };
-            self.coming = change(x, next, kick) / load;
-            self.coming_heat = -self.m * self.coming.dot(&(next + 0.5 * (kick + self.coming)));
-        }
-        self.t_stop = law.stopping_time(&sphere, &ambient, self.u_tick.norm());
-    }
+/// Rows that are worked on at once.
+pub const ABREAST: usize = 8;
 
+/// What rows relax by: their half steps, and their relative accelerations.
+pub struct Drive {
+    pub step: [f64; ABREAST],
+    pub a: [Vec3; ABREAST],
+}
+
+/// The changes of up to eight rows over their half steps, as if the gas changed by -eps times that.
+pub fn relax<I: Immersed>(
+    rows: &mut [Row],
+    law: &StoppingLaw,
+    immersed: &I,
+    drive: &Drive,
+    half: Half,
+) {
+    // Lanes to spare repeat the last row.
+    let row = |lane: usize| &rows[lane.min(rows.len() - 1)];
+    let particles: [usize; ABREAST] = std::array::from_fn(|lane| row(lane).i as usize);
+    let abreast = Abreast {
+        law: particles.map(|i| immersed.law(i, *law)),
+        sphere: particles.map(|i| immersed.sphere(i)),
+        gas: std::array::from_fn(|lane| Ambient {
+            rho: row(lane).rho,
+            c: row(lane).c,
+            omega: immersed.omega(particles[lane]),
+        }),
+    };
+    nbody::widest!(Level::new(), simd => relax_lanes(simd, rows, &abreast, drive, half));
+}
+
+/// A vector of each row.
+#[inline(always)]
+fn vectors<S: Simd>(simd: S, of: impl Fn(usize) -> Vec3) -> Vectors<S> {
+    let mut columns = [[0.0; ABREAST]; 3];
+    let [x, y, z] = &mut columns;
+    for (lane, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
+        let v = of(lane);
+        (*x, *y, *z) = (v.x, v.y, v.z);
+    }
+    [
+        f64x8::from_slice(simd, &columns[0]),
+        f64x8::from_slice(simd, &columns[1]),
+        f64x8::from_slice(simd, &columns[2]),
+    ]
+}
+
+/// A number of each row.
+#[inline(always)]
+fn numbers<S: Simd>(simd: S, of: impl Fn(usize) -> f64) -> f64x8<S> {
+    let mut column = [0.0; ABREAST];
+    for (lane, number) in column.iter_mut().enumerate() {
+        *number = of(lane);
+    }
+    f64x8::from_slice(simd, &column)
+}
+
+#[inline(always)]
+fn array<S: Simd>(lanes: f64x8<S>) -> [f64; ABREAST] {
+    let mut array = [0.0; ABREAST];
+    lanes.store_slice(&mut array);
+    array
+}
+
+/// a + factor b.
+#[inline(always)]
+fn sum<S: Simd>(a: &Vectors<S>, factor: f64x8<S>, b: &Vectors<S>) -> Vectors<S> {
+    [
+        factor.mul_add(b[0], a[0]),
+        factor.mul_add(b[1], a[1]),
+        factor.mul_add(b[2], a[2]),
+    ]
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: &Vectors<S>, b: &Vectors<S>) -> f64x8<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+#[inline(always)]
+fn norm<S: Simd>(a: &Vectors<S>) -> f64x8<S> {
+    dot(a, a).sqrt()
+}
+
+/// The relaxation from the velocities `u` over `dt`.
+#[inline(always)]
+fn relaxation<S: Simd>(simd: S, abreast: &Abreast, u: &Vectors<S>, dt: f64x8<S>) -> Relaxation<S> {
+    Relaxation::of(simd, abreast.e_foldings(simd, norm(u), dt))
+}
+
+#[inline(always)]
+fn relax_lanes<S: Simd>(simd: S, rows: &mut [Row], abreast: &Abreast, drive: &Drive, half: Half) {
+    let row = |lane: usize| &rows[lane.min(rows.len() - 1)];
+    let one = f64x8::splat(simd, 1.0);
+    let step = f64x8::from_slice(simd, &drive.step);
+    let u = vectors(simd, |lane| row(lane).u_tick);
+    let load = numbers(simd, |lane| 1.0 + row(lane).eps);
+    let m = numbers(simd, |lane| row(lane).m);
+    let a = vectors(simd, |lane| drive.a[lane]);
+    let kick = [step * a[0], step * a[1], step * a[2]];
+    let (start, sign) = match half {
+        Half::Closing => (sum(&u, -one, &kick), -0.5),
+        Half::Opening => (u, 0.5),
+    };
+    let middle = sum(&u, one * sign, &kick);
+    let linear = abreast.law[0].is_linear();
+    let mut relaxed = relaxation(simd, abreast, &start, load * step);
+    if !linear {
+        // Half of what the kick leaves at the end stands for its effect on the stopping time.
+        let left = (one - relaxed.lag) * 0.5;
+        let halfway = sum(&start, left, &kick);
+        relaxed = relaxation(simd, abreast, &halfway, load * step);
+    }
+    let each = one / load;
+    let change = relaxed.change(&start, &kick);
+    let dv = [change[0] * each, change[1] * each, change[2] * each];
+    let share = array(relaxed.lag * each);
+    let mut coming = [one * 0.0; 3];
+    let mut coming_heat = one * 0.0;
+    if half == Half::Opening {
+        // The other half goes on from here, by the same kick.
+        let next = sum(&sum(&start, one, &kick), one, &change);
+        if !linear {
+            relaxed = relaxation(simd, abreast, &next, load * step);
+        }
+        let change = relaxed.change(&next, &kick);
+        coming = [change[0] * each, change[1] * each, change[2] * each];
+        let mean = sum(&next, one * 0.5, &sum(&kick, one, &coming));
+        coming_heat = -(m * dot(&coming, &mean));
+    }
+    let t_stop = array(abreast.stopping_time(simd, norm(&u)));
+    let (coming_heat, middle) = (array(coming_heat), columns(&middle));
+    let (dv, coming) = (columns(&dv), columns(&coming));
+    for (lane, row) in rows.iter_mut().enumerate() {
+        let vector = |of: &[[f64; ABREAST]; 3]| Vec3::new(of[0][lane], of[1][lane], of[2][lane]);
+        (row.dv, row.share, row.t_stop) = (vector(&dv), share[lane], t_stop[lane]);
+        (row.coming, row.coming_heat) = (vector(&coming), coming_heat[lane]);
+        row.u_middle = vector(&middle);
+    }
+}
+
+#[inline(always)]
+fn columns<S: Simd>(vectors: &Vectors<S>) -> [[f64; ABREAST]; 3] {
+    [array(vectors[0]), array(vectors[1]), array(vectors[2])]
+}
+
+impl Row {
     /// Gives particle `i` its change of velocity.
     pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize, booking: &mut Booking) {
         let v = immersed.velocity(i);

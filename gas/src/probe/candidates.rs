@@ -1,8 +1,9 @@
 //! Candidates: the gas near a small box, copied into short columns relative to the box.
 
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdMask, f64x8};
 use nbody::points::{Domain, Vec3};
 
-use super::near::LANES;
+use super::near::{FIRST, LANES};
 use crate::Gas;
 
 /// A coordinate further than anything, whose square is finite.
@@ -50,6 +51,12 @@ impl Candidates {
         }
     }
 
+    /// Coordinates of the candidate at place k.
+    #[inline(always)]
+    pub(super) fn place(&self, k: usize) -> [f64; 3] {
+        [self.x[k], self.y[k], self.z[k]]
+    }
+
     pub fn is_empty(&self) -> bool {
         self.index.is_empty()
     }
@@ -69,26 +76,63 @@ impl Candidates {
         gas.tree.near(domain, (lo, hi), reach, &[], |range, shift| {
             let most = n + range.len();
             self.resize(most);
-            let (px, py) = (&mut self.x[..most], &mut self.y[..most]);
-            let (pz, index) = (&mut self.z[..most], &mut self.index[..most]);
+            let (px, py) = (&mut self.x[n..most], &mut self.y[n..most]);
+            let (pz, index) = (&mut self.z[n..most], &mut self.index[n..most]);
             let offset = shift - self.centre;
-            let gap = |x: f64, half: f64| (x.abs() - half).max(0.0);
-            for (j, x) in range.clone().zip(&gas.particles.x[range]) {
+            for (k, x) in gas.particles.x[range.clone()].iter().enumerate() {
                 let x = (x + offset).component_mul(&axes);
-                let far = [gap(x.x, half.x), gap(x.y, half.y), gap(x.z, half.z)];
-                let far = far[0] * far[0] + far[1] * far[1] + far[2] * far[2];
-                // Written always, kept when near: no branch to mispredict.
-                (px[n], py[n], pz[n]) = (x.x, x.y, x.z);
-                index[n] = j as u32;
-                n += usize::from(far < reach * reach);
+                (px[k], py[k], pz[k]) = (x.x, x.y, x.z);
+                index[k] = (range.start + k) as u32;
             }
+            n = most;
         });
-        self.resize(n);
+        self.fill(n);
+        nbody::widest!(Level::new(), simd => n = self.keep(simd, half, reach));
+        self.fill(n);
         self.mass.clear();
         self.mass.extend(self.index.iter().map(|&j| {
             let m = gas.particles.m[j as usize];
             [m, m / gas.derived.rho[j as usize]]
         }));
+    }
+
+    /// Removes what is not within `reach` of the box of the half lengths `half`; returns how many stay.
+    #[inline(always)]
+    fn keep<S: Simd>(&mut self, simd: S, half: Vec3, reach: f64) -> usize {
+        let mut n = 0;
+        self.index.resize(self.x.len(), 0);
+        for first in (0..self.x.len()).step_by(LANES) {
+            let range = first..first + LANES;
+            let x = f64x8::from_slice(simd, &self.x[range.clone()]);
+            let y = f64x8::from_slice(simd, &self.y[range.clone()]);
+            let z = f64x8::from_slice(simd, &self.z[range.clone()]);
+            let gx = (x.abs() - half.x).max(0.0);
+            let gy = (y.abs() - half.y).max(0.0);
+            let gz = (z.abs() - half.z).max(0.0);
+            let far = gx.mul_add(gx, gy.mul_add(gy, gz * gz));
+            let near = far.simd_lt(reach * reach);
+            let set = near.to_bitmask() as u8;
+            // All lanes are written, those that stay first; the next ones overwrite the rest.
+            let to = n..n + LANES;
+            simd.compress_f64x8(x, near)
+                .store_slice(&mut self.x[to.clone()]);
+            simd.compress_f64x8(y, near)
+                .store_slice(&mut self.y[to.clone()]);
+            simd.compress_f64x8(z, near)
+                .store_slice(&mut self.z[to.clone()]);
+            let mut index = [0; LANES];
+            index.copy_from_slice(&self.index[range]);
+            for (to, &lane) in self.index[to].iter_mut().zip(&FIRST[usize::from(set)]) {
+                *to = index[lane as usize % LANES];
+            }
+            n += set.count_ones() as usize;
+        }
+        n
+    }
+
+    /// Leaves `n` candidates; the columns of coordinates are filled up to whole lanes.
+    fn fill(&mut self, n: usize) {
+        self.resize(n);
         for column in [&mut self.x, &mut self.y, &mut self.z] {
             column.resize(n.next_multiple_of(LANES), FAR);
         }

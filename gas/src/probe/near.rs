@@ -2,7 +2,7 @@
 //!
 //! The smooth number within H is (volume of the sphere or disc of radius H) sum_j W(r_j, H); it grows with H.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x8};
 use nbody::points::{Domain, Vec3};
 
 use super::candidates::Candidates;
@@ -11,7 +11,7 @@ use super::candidates::Candidates;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kernel {
     pub ratio: f64,
-    central: f64,
+    pub central: f64,
     dimensions: i32,
 }
 
@@ -44,7 +44,21 @@ impl Kernel {
 }
 
 /// Error of the neighbour number from which one last step of Newton's method suffices.
-const TOLERANCE: f64 = 1e-3;
+pub(super) const TOLERANCE: f64 = 1e-3;
+
+/// W(q H) / W(0).
+#[inline(always)]
+pub(super) fn falloff<S: Simd>(q: f64x8<S>) -> f64x8<S> {
+    let t = (-q + 1.0).max(0.0);
+    let t2 = t * t;
+    t2 * t2 * q.mul_add(4.0, 1.0)
+}
+
+/// Factor of a radius by Newton's method in logarithms, from the smooth number and its derivative by ln(radius).
+#[inline(always)]
+pub(super) fn step(number: f64, slope: f64, wanted: f64) -> f64 {
+    ((wanted / number).ln() * number / slope).exp()
+}
 
 /// Distances of candidates from a point.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +74,7 @@ pub(super) struct Near {
 pub(super) const LANES: usize = 8;
 
 /// For each set of lanes their numbers, ascending; then zeros.
-const FIRST: [[u32; LANES]; 256] = {
+pub(super) const FIRST: [[u32; LANES]; 256] = {
     let mut table = [[0; LANES]; 256];
     let mut set = 0;
     while set < 256 {
@@ -121,10 +135,21 @@ impl Near {
         self.count = near;
     }
 
-    /// Distances and places of those kept.
-    pub fn kept(&self) -> impl Iterator<Item = (f64, u32)> + '_ {
+    /// Distances in a radius, and places, of those kept.
+    pub fn kept(&self, inverse_radius: f64) -> impl Iterator<Item = (f64, u32)> + '_ {
         let pairs = self.distance.iter().zip(&self.place);
-        pairs.map(|(&d, &k)| (d, k)).take(self.count)
+        pairs
+            .map(move |(&d, &k)| (d * inverse_radius, k))
+            .take(self.count)
+    }
+
+    /// W / W(0) of those kept, filled up to whole lanes with zeros.
+    #[inline(always)]
+    pub fn falloffs<S: Simd>(&self, simd: S, inverse_radius: f64, to: &mut [f64]) {
+        let to = to.as_chunks_mut::<LANES>().0;
+        for (lanes, to) in self.distance.as_chunks::<LANES>().0.iter().zip(to) {
+            falloff(f64x8::from_slice(simd, lanes) * inverse_radius).store_slice(to);
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -168,7 +193,7 @@ impl Near {
         };
         for _ in 0..100 {
             let (number, slope) = self.number(simd, kernel, radius);
-            let newton = radius * ((wanted / number).ln() * number / slope).exp();
+            let newton = radius * step(number, slope, wanted);
             if (number / wanted - 1.0).abs() < TOLERANCE {
                 return Some(newton.min(available));
             }

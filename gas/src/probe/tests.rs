@@ -167,3 +167,37 @@ fn gas_in_a_plane_has_no_gradient_across_it() {
     let local = Probe::default().local(&gas, &Domain::open(), (Vec3::repeat(0.5), 0.0), &REACH);
     assert!(local.grad_rho.x.is_nan() && local.grad_v[(0, 0)].is_nan());
 }
+
+#[test]
+fn a_bundle_finds_the_weights_that_its_points_have_by_themselves() {
+    let gas = gas(4000, [true; 3], false);
+    let domain = Domain::open();
+    let place = |k: usize| Vec3::new(0.45, 0.52, 0.4) + 0.01 * k as f64 * Vec3::new(1.0, -0.6, 0.3);
+    // The last one is at an edge of the gas.
+    let mut points: Vec<(Vec3, f64)> = (0..6).map(|k| (place(k), 0.08)).collect();
+    points.push((Vec3::new(1.0, 0.52, 0.4), 0.08));
+    let (mut candidates, mut own) = (Candidates::default(), Candidates::default());
+    candidates.gather(&gas, &domain, Vec3::repeat(0.3), Vec3::repeat(1.0), 0.3);
+    let (mut bundle, mut weights) = (Bundle::default(), Weights::default());
+    let served = bundle.fit(&candidates, &domain, &points, 0.3, (&REACH, 4000));
+    assert_eq!(served, 0b11_1111);
+    assert!(bundle.weight.iter().all(|w| w[6] == 0.0 && w[7] == 0.0));
+    for (lane, &point) in points[..6].iter().enumerate() {
+        weights.find(&mut own, &gas, &domain, point, &REACH);
+        // Newton's method ends where the number is right to 1e-6.
+        assert!((bundle.h[lane] / weights.h - 1.0).abs() < 1e-6);
+        assert!((bundle.rho[lane] / weights.rho - 1.0).abs() < 1e-6);
+        let pairs = || bundle.index.iter().zip(&bundle.weight);
+        let sum: f64 = pairs().map(|(_, w)| w[lane]).sum();
+        let field = |j: usize| linear(gas.particles.x[j]);
+        let seen: Vec3 = pairs().map(|(&j, w)| w[lane] * field(j as usize)).sum();
+        assert!((sum - 1.0).abs() < 1e-14, "{sum}");
+        assert!((seen - linear(point.0)).norm() < 1e-14, "{seen}");
+        let uneven = |j: usize| (9.0 * gas.particles.x[j].x).sin();
+        let error = weights.scalar(uneven)
+            - pairs()
+                .map(|(&j, w)| w[lane] * uneven(j as usize))
+                .sum::<f64>();
+        assert!(error.abs() < 1e-6, "{error:e}");
+    }
+}

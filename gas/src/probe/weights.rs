@@ -66,7 +66,7 @@ pub fn radius(domain: &Domain, h: f64) -> f64 {
 }
 
 /// Sum of |w| up to which weights exact for linear fields are taken.
-const MOST_ABSOLUTE: f64 = 1.1;
+pub(super) const MOST_ABSOLUTE: f64 = 1.1;
 
 /// Largest gain of a rigid shape.
 const MOST_GAIN: f64 = 20.0;
@@ -136,7 +136,7 @@ impl Weights {
             None => return false,
         };
         self.clear(radius / kernel.ratio);
-        let count = self.weigh(candidates, kernel, x, radius);
+        let count = self.weigh(simd, candidates, kernel, x, radius);
         if count > 0 {
             self.correct(simd, domain);
         }
@@ -161,7 +161,14 @@ impl Weights {
     /// Lists the neighbours within `radius` with W V / W(0) as weight, and sums the density. The columns are filled up to whole lanes
     /// with zeros; returns how many are neighbours.
     #[inline(always)]
-    fn weigh(&mut self, candidates: &Candidates, kernel: Kernel, x: Vec3, radius: f64) -> usize {
+    fn weigh<S: Simd>(
+        &mut self,
+        simd: S,
+        candidates: &Candidates,
+        kernel: Kernel,
+        x: Vec3,
+        radius: f64,
+    ) -> usize {
         let most = self.near.len() + LANES;
         self.index.resize(most, 0);
         self.weight.resize(most, 0.0);
@@ -170,11 +177,10 @@ impl Weights {
         let (rx, ry, rz) = (&mut rx[..most], &mut ry[..most], &mut rz[..most]);
         let (weight, index) = (&mut self.weight[..most], &mut self.index[..most]);
         let inverse = 1.0 / radius;
+        self.near.falloffs(simd, inverse, weight);
         let (mut n, mut mass) = (0, 0.0);
-        for (d, k) in self.near.kept() {
-            let q = d * inverse;
-            let t = (1.0 - q).max(0.0);
-            let w = t * t * (t * t) * (1.0 + 4.0 * q);
+        for (i, (q, k)) in self.near.kept(inverse).enumerate() {
+            let w = weight[i];
             let near = candidates.at(k as usize);
             mass += near.m * w;
             // Written always, kept when inside: no branch to mispredict.

@@ -1,0 +1,145 @@
+//! Bundles: the weights of immersed particles that share their gas, eight at once, and sums over them.
+
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4, f64x8};
+use gas::probe::{Bundle, Lanes};
+
+use super::Parcel;
+use super::group::RUN;
+
+/// Rows from `row` on, those in the lanes `served` alone, with the weights `start..end`.
+#[derive(Clone, Copy, Debug)]
+struct Lot {
+    row: usize,
+    served: u8,
+    start: usize,
+    end: usize,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct Bundles {
+    lots: Vec<Lot>,
+    slot: Vec<u32>,
+    weight: Vec<Lanes>,
+}
+
+impl Lot {
+    fn lanes(&self) -> impl Iterator<Item = usize> {
+        let served = self.served;
+        (0..RUN).filter(move |lane| served >> lane & 1 == 1)
+    }
+}
+
+impl Bundles {
+    pub fn clear(&mut self) {
+        self.lots.clear();
+        self.slot.clear();
+        self.weight.clear();
+    }
+
+    /// Shows the slots of all weights; they are gas particles until they are numbered.
+    pub fn name(&mut self, slot: impl FnMut(&mut u32)) {
+        self.slot.iter_mut().for_each(slot);
+    }
+
+    /// Appends the lanes `served` of a bundle as rows from `row` on.
+    pub fn add(&mut self, bundle: &Bundle, row: usize, served: u8) {
+        let start = self.slot.len();
+        self.slot.extend_from_slice(&bundle.index);
+        self.weight.extend_from_slice(&bundle.weight);
+        let end = self.slot.len();
+        self.lots.push(Lot {
+            row,
+            served,
+            start,
+            end,
+        });
+    }
+
+    /// The first M columns of a field of the slots, at each row.
+    pub fn seen<const M: usize, const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
+        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |w| w));
+    }
+
+    /// The same by |w|.
+    pub fn heard<const M: usize, const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
+        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |w| w.abs()));
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd, const M: usize, const N: usize>(
+        &self,
+        simd: S,
+        field: &[[f64; N]],
+        seen: &mut [[f64; 8]],
+        of: impl Fn(f64x8<S>) -> f64x8<S>,
+    ) {
+        for lot in &self.lots {
+            let mut sums = [f64x8::splat(simd, 0.0); M];
+            let range = lot.start..lot.end;
+            for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
+                let w = of(f64x8::from_slice(simd, weight));
+                let value = &field[slot as usize];
+                for (sum, &value) in sums.iter_mut().zip(value) {
+                    *sum = w.mul_add(f64x8::splat(simd, value), *sum);
+                }
+            }
+            let mut columns = [[0.0; RUN]; M];
+            for (column, sum) in columns.iter_mut().zip(sums) {
+                sum.store_slice(column);
+            }
+            for lane in lot.lanes() {
+                let seen = &mut seen[lot.row + lane];
+                (0..M).for_each(|k| seen[k] = columns[k][lane]);
+            }
+        }
+    }
+
+    /// Adds w times what each row gives to the slots.
+    pub fn spread(&self, of: impl Fn(usize) -> Parcel, partial: &mut [Parcel]) {
+        nbody::widest!(Level::new(), simd => self.spread_lanes(simd, &of, partial));
+    }
+
+    #[inline(always)]
+    fn spread_lanes<S: Simd>(
+        &self,
+        simd: S,
+        of: &impl Fn(usize) -> Parcel,
+        partial: &mut [Parcel],
+    ) {
+        for lot in &self.lots {
+            let mut given = [f64x4::splat(simd, 0.0); RUN];
+            for lane in lot.lanes() {
+                given[lane] = f64x4::from_slice(simd, &of(lot.row + lane));
+            }
+            let range = lot.start..lot.end;
+            for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
+                let part = &mut partial[slot as usize];
+                let mut sum = f64x4::from_slice(simd, part);
+                for (&w, given) in weight.iter().zip(given) {
+                    sum = f64x4::splat(simd, w).mul_add(given, sum);
+                }
+                sum.store_slice(part);
+            }
+        }
+    }
+
+    /// Adds |w| times what each row weighs to the first column of the slots.
+    pub fn load(&self, of: impl Fn(usize) -> f64, partial: &mut [Parcel]) {
+        nbody::widest!(Level::new(), simd => self.load_lanes(simd, &of, partial));
+    }
+
+    #[inline(always)]
+    fn load_lanes<S: Simd>(&self, simd: S, of: &impl Fn(usize) -> f64, partial: &mut [Parcel]) {
+        for lot in &self.lots {
+            let mut loads = [0.0; RUN];
+            lot.lanes()
+                .for_each(|lane| loads[lane] = of(lot.row + lane));
+            let loads = f64x8::from_slice(simd, &loads);
+            let range = lot.start..lot.end;
+            for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
+                let weight = f64x8::from_slice(simd, weight).abs();
+                partial[slot as usize][0] += (weight * loads).reduce_sum();
+            }
+        }
+    }
+}

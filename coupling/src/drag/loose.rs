@@ -1,0 +1,188 @@
+//! Loose rows: immersed particles whose weights stand by themselves, because they are at an edge of the gas or share it with too few others.
+
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4};
+use gas::probe::{Shape, Weights};
+use nalgebra::Matrix3;
+use nbody::points::Vec3;
+
+use super::{Parcel, parcel};
+
+/// What a rigid shape adds to the weights.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    offset: Vec3,
+    inverse_inertia: Matrix3<f64>,
+    /// from its first pair's on
+    first_arm: usize,
+}
+
+/// A row and the end of its pairs.
+#[derive(Clone, Copy, Debug)]
+struct Own {
+    row: usize,
+    start: usize,
+    end: usize,
+    /// Place of its rigid shape, if it has one.
+    turn: Option<u32>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct Loose {
+    own: Vec<Own>,
+    slot: Vec<u32>,
+    weight: Vec<f64>,
+    turns: Vec<Turn>,
+    arms: Vec<Vec3>,
+}
+
+/// Three columns from `first` on.
+fn vector(columns: &[f64], first: usize) -> Vec3 {
+    Vec3::new(columns[first], columns[first + 1], columns[first + 2])
+}
+
+impl Loose {
+    pub fn clear(&mut self) {
+        self.own.clear();
+        self.slot.clear();
+        self.weight.clear();
+        self.turns.clear();
+        self.arms.clear();
+    }
+
+    /// Shows the slots of all pairs; they are gas particles until they are numbered.
+    pub fn name(&mut self, slot: impl FnMut(&mut u32)) {
+        self.slot.iter_mut().for_each(slot);
+    }
+
+    /// Appends a row.
+    pub fn add(&mut self, weights: &Weights, row: usize) {
+        let start = self.slot.len();
+        self.slot.extend_from_slice(&weights.index);
+        self.weight.extend_from_slice(&weights.weight);
+        let rigid = weights.shape == Shape::Rigid;
+        self.own.push(Own {
+            row,
+            start,
+            end: self.slot.len(),
+            turn: rigid.then_some(self.turns.len() as u32),
+        });
+        if rigid {
+            self.turns.push(Turn {
+                offset: weights.offset,
+                inverse_inertia: weights.inverse_inertia,
+                first_arm: self.arms.len(),
+            });
+            self.arms.extend_from_slice(&weights.arm);
+        }
+    }
+
+    fn pairs(&self, own: &Own) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = own.start..own.end;
+        let slots = self.slot[range.clone()].iter().map(|&slot| slot as usize);
+        slots.zip(self.weight[range].iter().copied())
+    }
+
+    /// The first columns of a field of the slots, at each row: vectors in the first three of each four columns.
+    pub fn seen<const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
+        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w| w));
+        for own in self.own.iter().filter(|own| own.turn.is_some()) {
+            for first in (0..N).step_by(4) {
+                let turned = self.turned(own, |slot| vector(&field[slot], first));
+                (0..3).for_each(|k| seen[own.row][first + k] -= turned[k]);
+            }
+        }
+    }
+
+    /// The same by |w|, without turns.
+    pub fn heard<const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
+        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w: f64| w.abs()));
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        field: &[[f64; N]],
+        seen: &mut [[f64; 8]],
+        of: impl Fn(f64) -> f64,
+    ) {
+        for own in &self.own {
+            // Four sums, so that one addition does not wait for the other.
+            let mut sums = [[f64x4::splat(simd, 0.0); 4]; 2];
+            let range = own.start..own.end;
+            let slots = self.slot[range.clone()].chunks(4);
+            for (slots, weights) in slots.zip(self.weight[range].chunks(4)) {
+                for (k, (&slot, &w)) in slots.iter().zip(weights).enumerate() {
+                    let w = f64x4::splat(simd, of(w));
+                    for (sums, value) in sums.iter_mut().zip(field[slot as usize].chunks(4)) {
+                        sums[k] = w.mul_add(f64x4::from_slice(simd, value), sums[k]);
+                    }
+                }
+            }
+            for (sums, seen) in sums.iter().zip(seen[own.row].chunks_mut(4)).take(N / 4) {
+                ((sums[0] + sums[1]) + (sums[2] + sums[3])).store_slice(seen);
+            }
+        }
+    }
+
+    /// Omega x b of a rigid shape.
+    fn turned(&self, own: &Own, field: impl Fn(usize) -> Vec3) -> Vec3 {
+        let Some(turn) = own.turn.map(|turn| &self.turns[turn as usize]) else {
+            return Vec3::zeros();
+        };
+        let spin: Vec3 = self
+            .pairs(own)
+            .zip(&self.arms[turn.first_arm..])
+            .map(|((slot, w), arm)| w * arm.cross(&field(slot)))
+            .sum();
+        (turn.inverse_inertia * spin).cross(&turn.offset)
+    }
+
+    /// Adds w times what each row gives to the slots; the first three columns are an impulse.
+    pub fn spread(&self, of: impl Fn(usize) -> Parcel, partial: &mut [Parcel]) {
+        nbody::widest!(Level::new(), simd => self.spread_lanes(simd, &of, partial));
+        for own in &self.own {
+            if let Some(turn) = own.turn {
+                let reaction = vector(&of(own.row), 0);
+                self.spread_turn(own, &self.turns[turn as usize], reaction, partial);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn spread_lanes<S: Simd>(
+        &self,
+        simd: S,
+        of: &impl Fn(usize) -> Parcel,
+        partial: &mut [Parcel],
+    ) {
+        for own in &self.own {
+            let given = f64x4::from_slice(simd, &of(own.row));
+            for (slot, w) in self.pairs(own) {
+                let part = &mut partial[slot];
+                let sum = f64x4::from_slice(simd, part);
+                f64x4::splat(simd, w).mul_add(given, sum).store_slice(part);
+            }
+        }
+    }
+
+    /// The part of a rigid shape's reaction that keeps the angular momentum.
+    fn spread_turn(&self, own: &Own, turn: &Turn, reaction: Vec3, partial: &mut [Parcel]) {
+        let spin = turn.inverse_inertia * turn.offset.cross(&reaction);
+        for ((slot, w), arm) in self.pairs(own).zip(&self.arms[turn.first_arm..]) {
+            let impulse = parcel(-w * spin.cross(arm), 0.0);
+            let part = &mut partial[slot];
+            (0..3).for_each(|k| part[k] += impulse[k]);
+        }
+    }
+
+    /// Adds |w| times what each row weighs to the first column of the slots.
+    pub fn load(&self, of: impl Fn(usize) -> f64, partial: &mut [Parcel]) {
+        for own in &self.own {
+            let load = of(own.row);
+            for (slot, w) in self.pairs(own) {
+                partial[slot][0] += load * w.abs();
+            }
+        }
+    }
+}

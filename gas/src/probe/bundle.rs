@@ -1,0 +1,336 @@
+//! Bundle: the weights of up to eight neighbouring points at once, a lane each, over the gas that they share.
+//!
+//! The same weights as [`super::Weights`] finds where they are exact for linear fields; it leaves all other points to that.
+
+use fearless_simd::{Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8};
+use nbody::points::{Domain, Vec3};
+
+use super::Reach;
+use super::candidates::Candidates;
+use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff, step};
+use super::weights::MOST_ABSOLUTE;
+
+/// How far beyond its last neighbourhood a point is looked around for its new one, by the radius.
+const MARGIN: f64 = 1.03;
+
+/// Evaluations of the neighbour number for a point whose smoothing length changes as it does from tick to tick.
+const TRIES: usize = 4;
+
+/// A number for each point.
+pub type Lanes = [f64; LANES];
+
+/// The weights of points that share their gas.
+#[derive(Clone, Debug, Default)]
+pub struct Bundle {
+    /// gas particle of each row of weights
+    pub index: Vec<u32>,
+    /// a row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served
+    pub weight: Vec<Lanes>,
+    /// smoothing length
+    pub h: Lanes,
+    /// density of the gas
+    pub rho: Lanes,
+    /// places among the candidates
+    place: Vec<u32>,
+    distance: Vec<Lanes>,
+    /// coordinates of the rows
+    row: Vec<[f64; 3]>,
+}
+
+/// Sums over the rows: w, w r and w r r (xx, yy, zz, xy, xz, yz).
+struct Moments<S: Simd> {
+    zeroth: f64x8<S>,
+    first: [f64x8<S>; 3],
+    second: [f64x8<S>; 6],
+}
+
+/// Weights are multiplied by level + slope.x.
+struct Tilt<S: Simd> {
+    level: f64x8<S>,
+    slope: [f64x8<S>; 3],
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, values: &Lanes) -> f64x8<S> {
+    f64x8::from_slice(simd, values)
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: &[f64x8<S>; 3], b: &[f64x8<S>; 3]) -> f64x8<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+impl Bundle {
+    /// Weights of the `points` (place, last smoothing length) from candidates that are complete within `available` of each. The lanes of those
+    /// served are set in the answer; none are if together they would have more than `most` gas particles.
+    pub fn fit(
+        &mut self,
+        candidates: &Candidates,
+        domain: &Domain,
+        points: &[(Vec3, f64)],
+        available: f64,
+        (reach, most): (&Reach, usize),
+    ) -> u8 {
+        nbody::widest!(Level::new(), simd => self.fit_lanes(simd, candidates, domain, points, available, (reach, most)))
+    }
+
+    #[inline(always)]
+    fn fit_lanes<S: Simd>(
+        &mut self,
+        simd: S,
+        candidates: &Candidates,
+        domain: &Domain,
+        points: &[(Vec3, f64)],
+        available: f64,
+        (reach, most): (&Reach, usize),
+    ) -> u8 {
+        let kernel = Kernel::new(domain);
+        self.index.clear();
+        self.weight.clear();
+        let (mut x, mut start) = ([[0.0; LANES]; 3], [0.0; LANES]);
+        for lane in 0..LANES {
+            // Lanes to spare repeat the last point.
+            let (place, h) = points[lane.min(points.len() - 1)];
+            let place = domain.in_plane(place - candidates.centre);
+            (0..3).for_each(|axis| x[axis][lane] = place[axis]);
+            start[lane] = kernel.ratio * h;
+        }
+        let largest = start.iter().fold(0.0, |most: f64, &r| most.max(r));
+        let available = available.min(MARGIN * largest);
+        if !self.choose(simd, candidates, &x, available, most) {
+            return 0;
+        }
+        let x = [lanes(simd, &x[0]), lanes(simd, &x[1]), lanes(simd, &x[2])];
+        self.distances(candidates, &x);
+        let mut found = self.radius(simd, kernel, &mut start, available, reach.neighbours);
+        let radius = lanes(simd, &start);
+        let moments = self.weigh(simd, candidates, kernel, &x, radius);
+        (radius * (1.0 / kernel.ratio)).store_slice(&mut self.h);
+        let (tilt, regular) = self.tilt(simd, domain, &x, &moments);
+        found &= regular;
+        found &= self.apply(simd, &tilt, moments.zeroth, found);
+        found & (0xff >> (LANES - points.len()))
+    }
+
+    /// Lists the candidates within `available` of the box around the points; false if there are more than `most`.
+    #[inline(always)]
+    fn choose<S: Simd>(
+        &mut self,
+        simd: S,
+        candidates: &Candidates,
+        x: &[Lanes; 3],
+        available: f64,
+        most: usize,
+    ) -> bool {
+        let columns =
+            [&candidates.x, &candidates.y, &candidates.z].map(|c| c.as_chunks::<LANES>().0);
+        let ends = x.map(|x| {
+            let ends = (f64::INFINITY, f64::NEG_INFINITY);
+            x.iter().fold(ends, |(lo, hi), &x| (lo.min(x), hi.max(x)))
+        });
+        let room = candidates.x.len() + LANES;
+        if self.place.len() < room {
+            self.place.resize(room, 0);
+        }
+        let mut near = 0;
+        let [xs, ys, zs] = columns;
+        for (c, ((x, y), z)) in xs.iter().zip(ys).zip(zs).enumerate() {
+            let mut square = f64x8::splat(simd, 0.0);
+            for (x, (lo, hi)) in [x, y, z].into_iter().zip(ends) {
+                let x = lanes(simd, x);
+                let gap = (x - hi).max(-x + lo).max(0.0);
+                square = gap.mul_add(gap, square);
+            }
+            let inside = square.simd_lt(available * available).to_bitmask() as u8;
+            // All lanes are written, those inside first; the next ones overwrite the rest.
+            let places = &mut self.place[near..near + LANES];
+            for (place, &lane) in places.iter_mut().zip(&FIRST[usize::from(inside)]) {
+                *place = (c * LANES) as u32 + lane;
+            }
+            near += inside.count_ones() as usize;
+        }
+        self.place.truncate(near);
+        (1..=most).contains(&near)
+    }
+
+    #[inline(always)]
+    fn distances<S: Simd>(&mut self, candidates: &Candidates, x: &[f64x8<S>; 3]) {
+        self.distance.resize(self.place.len(), [0.0; LANES]);
+        for (distance, &k) in self.distance.iter_mut().zip(&self.place) {
+            let [px, py, pz] = candidates.place(k as usize);
+            let r = [x[0] - px, x[1] - py, x[2] - pz];
+            dot(&r, &r).sqrt().store_slice(distance);
+        }
+    }
+
+    /// Brings each radius to where it holds the `wanted` smooth number, by Newton's method; the lanes in which that was done within `available`.
+    #[inline(always)]
+    fn radius<S: Simd>(
+        &self,
+        simd: S,
+        kernel: Kernel,
+        radius: &mut Lanes,
+        available: f64,
+        wanted: f64,
+    ) -> u8 {
+        let mut found = 0;
+        for _ in 0..TRIES {
+            let inverse = f64x8::splat(simd, 1.0) / lanes(simd, radius);
+            let none = f64x8::splat(simd, 0.0);
+            let (mut value, mut slope) = (none, none);
+            for distance in &self.distance {
+                let q = lanes(simd, distance) * inverse;
+                let t = (-q + 1.0).max(0.0);
+                let t3 = t * t * t;
+                value = (t3 * t).mul_add(q.mul_add(4.0, 1.0), value);
+                slope = (q * q).mul_add(t3, slope);
+            }
+            let (mut number, mut steepness) = ([0.0; LANES], [0.0; LANES]);
+            (value * kernel.central).store_slice(&mut number);
+            (slope * (20.0 * kernel.central)).store_slice(&mut steepness);
+            for lane in 0..LANES {
+                let bit = 1 << lane;
+                if found & bit == 0 {
+                    let close = (number[lane] / wanted - 1.0).abs() < TOLERANCE;
+                    radius[lane] *= step(number[lane], steepness[lane], wanted);
+                    found |= if close { bit } else { 0 };
+                }
+            }
+            if found == 0xff {
+                break;
+            }
+        }
+        for (lane, radius) in radius.iter_mut().enumerate() {
+            if !(*radius > 0.0 && *radius <= available) {
+                found &= !(1 << lane);
+                *radius = available;
+            }
+        }
+        found
+    }
+
+    /// Lists the gas that is inside of any kernel, with W V / W(0) as weights.
+    #[inline(always)]
+    fn weigh<S: Simd>(
+        &mut self,
+        simd: S,
+        candidates: &Candidates,
+        kernel: Kernel,
+        x: &[f64x8<S>; 3],
+        radius: f64x8<S>,
+    ) -> Moments<S> {
+        let none = f64x8::splat(simd, 0.0);
+        let mut sums = Moments {
+            zeroth: none,
+            first: [none; 3],
+            second: [none; 6],
+        };
+        let count = self.place.len();
+        self.index.resize(count, 0);
+        self.weight.resize(count, [0.0; LANES]);
+        self.row.resize(count, [0.0; 3]);
+        let inverse = f64x8::splat(simd, 1.0) / radius;
+        let (mut n, mut mass) = (0, none);
+        for (distance, &k) in self.distance.iter().zip(&self.place) {
+            let near = candidates.at(k as usize);
+            let q = lanes(simd, distance) * inverse;
+            let fall = falloff(q);
+            let w = fall * near.volume;
+            mass = fall.mul_add(near.m, mass);
+            let r = [-x[0] + near.x, -x[1] + near.y, -x[2] + near.z];
+            let wr = [w * r[0], w * r[1], w * r[2]];
+            sums.zeroth += w;
+            for axis in 0..3 {
+                sums.first[axis] += wr[axis];
+                sums.second[axis] = wr[axis].mul_add(r[axis], sums.second[axis]);
+            }
+            for (pair, (a, b)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+                sums.second[3 + pair] = wr[a].mul_add(r[b], sums.second[3 + pair]);
+            }
+            // Written always, kept when inside: no branch to mispredict.
+            w.store_slice(&mut self.weight[n]);
+            self.index[n] = near.index;
+            self.row[n] = [near.x, near.y, near.z];
+            n += usize::from(q.simd_lt(1.0).to_bitmask() != 0);
+        }
+        self.index.truncate(n);
+        self.weight.truncate(n);
+        self.row.truncate(n);
+        let mut rho = [0.0; LANES];
+        let mut r = [0.0; LANES];
+        mass.store_slice(&mut rho);
+        radius.store_slice(&mut r);
+        for (rho, r) in rho.iter_mut().zip(r) {
+            *rho *= kernel.peak(r);
+        }
+        self.rho = rho;
+        sums
+    }
+
+    /// What makes the weights exact for linear fields, and where that is well posed.
+    #[inline(always)]
+    fn tilt<S: Simd>(
+        &self,
+        simd: S,
+        domain: &Domain,
+        x: &[f64x8<S>; 3],
+        moments: &Moments<S>,
+    ) -> (Tilt<S>, u8) {
+        let h = lanes(simd, &self.h);
+        let square = h * h;
+        let norm = f64x8::splat(simd, 1.0) / moments.zeroth;
+        let [a, b, c] = moments.first;
+        let (a, b, c) = (a * norm, b * norm, c * norm);
+        let [xx, yy, zz, xy, xz, yz] = moments.second;
+        let (xx, yy, zz) = (xx * norm - a * a, yy * norm - b * b, zz * norm - c * c);
+        let (xy, xz, yz) = (xy * norm - a * b, xz * norm - a * c, yz * norm - b * c);
+        let [ox, oy, oz] = domain.axes;
+        let xx = if ox { xx } else { square };
+        let yy = if oy { yy } else { square };
+        let zz = if oz { zz } else { square };
+        // L D L^T of the spread.
+        let (ly, lz) = (xy / xx, xz / xx);
+        let second = yy - ly * xy;
+        let rest = yz - ly * xz;
+        let lyz = rest / second;
+        let third = zz - lz * xz - lyz * rest;
+        let fy = b - ly * a;
+        let fz = c - lz * a - lyz * fy;
+        let sz = -fz / third;
+        let sy = -fy / second - lyz * sz;
+        let sx = -a / xx - ly * sy - lz * sz;
+        let slope = [sx, sy, sz];
+        let level = -dot(&slope, &[a, b, c]) + 1.0;
+        let regular = (xx * second * third).simd_gt(square * square * square * 1e-4)
+            & xx.simd_gt(0.0)
+            & second.simd_gt(0.0);
+        // About the origin of the candidates.
+        let level = level - dot(&slope, x);
+        (Tilt { level, slope }, regular.to_bitmask() as u8)
+    }
+
+    /// Tilts the weights of the lanes `served` and brings their sums to one; the others become zero, and those whose weights are too negative.
+    #[inline(always)]
+    fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, served: u8) -> u8 {
+        let none = f64x8::splat(simd, 0.0);
+        let (mut total, mut absolute) = (none, none);
+        for (weight, row) in self.weight.iter_mut().zip(&self.row) {
+            let [sx, sy, sz] = tilt.slope;
+            let factor = sx.mul_add(f64x8::splat(simd, row[0]), tilt.level);
+            let factor = sy.mul_add(f64x8::splat(simd, row[1]), factor);
+            let factor = sz.mul_add(f64x8::splat(simd, row[2]), factor);
+            let w = lanes(simd, weight) * factor;
+            w.store_slice(weight);
+            total += w;
+            absolute += w.abs();
+        }
+        let kept = served & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
+        let mask = fearless_simd::mask64x8::from_bitmask(simd, u64::from(kept));
+        let norm = f64x8::splat(simd, 1.0) / total;
+        for weight in &mut self.weight {
+            mask.select(lanes(simd, weight) * norm, none)
+                .store_slice(weight);
+        }
+        kept
+    }
+}
