@@ -55,7 +55,7 @@ pub struct Settings {
     pub feedback: bool,
     /// Share of the frictional heat that the gas keeps; the rest is radiated.
     pub heat_share: f64,
-    /// Whether the gas is bound to a temperature: it gives off what else changes its heat at the end of its step.
+    /// Whether the gas is bound to a temperature: it gives off all heat.
     pub bound: bool,
     /// Whether drag and the kick of the half step are solved together.
     pub joint: bool,

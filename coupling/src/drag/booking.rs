@@ -33,6 +33,8 @@ pub struct Booking {
     pub heat: f64,
     /// frictional heat that was radiated
     pub radiated: f64,
+    /// What gas bound to a temperature gave off beyond that: heat that pressure was taken to have made of velocities that drag has changed.
+    pub work: f64,
     /// Kinetic energy that drag passes to the kick of the same half step; of opposite sign in closing and opening halves.
     pub kick: f64,
     /// Particles at an edge of the gas, which saw it turn rigidly instead of linearly.
@@ -59,6 +61,7 @@ impl AddAssign for Booking {
         self.immersed += other.immersed;
         self.heat += other.heat;
         self.radiated += other.radiated;
+        self.work += other.work;
         self.kick += other.kick;
         self.rigid += other.rigid;
         self.plain += other.plain;

@@ -34,7 +34,7 @@ fn limit(exchange: &mut Exchange, system: &System) {
 
 /// Books what an exchange did beyond moving momentum between populations.
 pub(super) fn book(system: &mut System, booking: &Booking, feedback: bool) {
-    system.ledger.radiated += booking.radiated;
+    system.ledger.radiated += booking.radiated + booking.work;
     system.ledger.receive(booking.frame);
     if !feedback {
         let lost = &mut system.ledger.given_away;

@@ -123,8 +123,9 @@ impl Touched {
             // The grains booked their heat as if the gas kept its velocity.
             let heat = heat - 0.5 * dv.norm_squared();
             booking.gas.add((particles.x[j], rates.v_pred[j]), m, dv);
-            booking.heat += m * heat_share * heat;
-            booking.radiated += m * (1.0 - heat_share) * heat;
+            let kept = if bound { 0.0 } else { heat_share };
+            booking.heat += m * kept * heat;
+            booking.radiated += m * (1.0 - kept) * heat;
             let change = match domain.hill() {
                 // Between its ticks gas keeps the mean velocity of its step.
                 Some(hill) if !(clock.synchronous() || particles.end[j] == clock.tick) => {
@@ -135,14 +136,16 @@ impl Touched {
             booking.frame += m * (change - dv);
             particles.v[j] += change;
             rates.v_pred[j] += dv;
-            let mut warmed = heat_share * heat;
+            let mut warmed = kept * heat;
             if half == Half::Closing && (clock.synchronous() || particles.end[j] == clock.tick) {
                 // Pressure has worked on the velocity that was foreseen between its half steps.
                 let work = (dv - foreseen).dot(&(rates.dv_close[j] + rates.dv_open[j]));
                 warmed -= work;
             }
-            particles.u[j] += warmed;
-            if !bound {
+            if bound {
+                booking.work += m * warmed;
+            } else {
+                particles.u[j] += warmed;
                 rates.u_pred[j] += warmed;
             }
         }
