@@ -1,4 +1,6 @@
 //! Tests of the whole program; see `physics.rs`.
 
+#[path = "benches/subsets.rs"]
+pub mod subsets;
 #[path = "benches/workloads.rs"]
 pub mod workloads;

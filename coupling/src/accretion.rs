@@ -8,7 +8,7 @@ use nbody::encounters::{Encounter, Finder};
 use nbody::points::{Columns, Fault, Vec3};
 
 use crate::System;
-use crate::ledger::Census;
+use crate::ledger::{Census, Scope};
 use crate::operator::{Meter, Operator, Phase};
 
 /// A conversion of particles or bodies, or an impact, for the log of events.
@@ -43,6 +43,10 @@ impl Operator for Accretion {
         "accretion"
     }
 
+    fn between_ticks(&self) -> bool {
+        true
+    }
+
     fn counted(&self, _: &System) -> bool {
         false
     }
@@ -65,7 +69,7 @@ impl Operator for Accretion {
         }
         system.gas.arrive(&system.domain, &system.clock);
         let census = Census::of(system);
-        system.ledger.turn(census);
+        system.ledger.turn(Scope::Everybody, census);
         for (population, inside) in self.inside.iter().enumerate() {
             if !inside.is_empty() {
                 accrete(system, population, inside);
@@ -76,7 +80,7 @@ impl Operator for Accretion {
             system.look();
         }
         let census = Census::of(system);
-        system.ledger.book(self.name(), census);
+        system.ledger.book(self.name(), Scope::Everybody, census);
         Ok(true)
     }
 }
@@ -213,6 +217,10 @@ impl Collisions {
 impl Operator for Collisions {
     fn name(&self) -> &'static str {
         "collisions"
+    }
+
+    fn between_ticks(&self) -> bool {
+        true
     }
 
     fn counted(&self, system: &System) -> bool {

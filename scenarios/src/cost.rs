@@ -27,6 +27,8 @@ pub struct Cost {
     pub start_s: f64,
     /// CPU time of a report, s.
     pub report_s: f64,
+    /// CPU time of all snapshots, s; zero where nobody has looked.
+    pub files_s: f64,
     /// Wall-clock time by CPU time, on the threads that are used now.
     pub wall: f64,
     /// Updates of gas, dust and bodies a unit of time.
@@ -46,7 +48,7 @@ pub struct Cost {
 impl Cost {
     /// CPU time of the whole run, s.
     pub fn cpu_s(&self) -> f64 {
-        self.start_s + self.rate * self.end + self.report_s * self.reports
+        self.start_s + self.rate * self.end + self.report_s * self.reports + self.files_s
     }
 
     /// The longest base step that the run does.
@@ -316,6 +318,7 @@ impl Probe {
             rate: (rate - report_s * reports_within).max(0.0),
             start_s,
             report_s,
+            files_s: 0.0,
             wall,
             updates: self.all.0.map(|updates| updates / self.all.1),
             ticks: self.ticks,
