@@ -143,20 +143,20 @@ pub fn name(subset: [bool; 3]) -> String {
     names.join("+")
 }
 
-/// Self-gravity, with bodies that meet where there are some; without it they go around the star and pull nobody.
+/// Self-gravity, with the hybrid map of bodies where there are some; without it they pull nobody.
 pub fn gravity(subset: [bool; 3], on: bool) -> Vec<&'static str> {
     let (method, integrator) = match on {
-        true => ("gravity.method=\"tree\"", "hybrid"),
-        false => ("gravity.method=\"none\"", "wisdom-holman"),
+        true => (
+            "gravity.method=\"tree\"",
+            "planetesimals.integrator=\"hybrid\"",
+        ),
+        false => (
+            "gravity.method=\"none\"",
+            "planetesimals.integrator=\"leapfrog\"",
+        ),
     };
-    let mut set = vec![method];
-    if subset[2] {
-        set.push(match integrator {
-            "hybrid" => "planetesimals.integrator=\"hybrid\"",
-            _ => "planetesimals.integrator=\"wisdom-holman\"",
-        });
-    }
-    set
+    let bodies = subset[2].then_some(integrator);
+    std::iter::once(method).chain(bodies).collect()
 }
 
 /// The text of a subset's scene for so many steps, without drag.

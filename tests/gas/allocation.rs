@@ -4,7 +4,7 @@ use gas::{Gas, Hydro, Particles};
 use nbody::points::clock::{Centre, Pacing, TICKS};
 use nbody::points::{Clock, Columns, Domain, Vec3};
 
-use crate::allocator::asked;
+use crate::allocator::{watch, watched};
 
 const SIDE: usize = 24;
 
@@ -28,11 +28,6 @@ fn mixed() -> Gas {
     Gas::new(particles)
 }
 
-/// Calls for memory of all threads of the pool so far.
-fn total() -> u64 {
-    rayon::broadcast(|_| asked().0).into_iter().sum()
-}
-
 /// Steps the gas over `steps` base steps of `base`; the calls for memory that ticks with and without a sort have made in the last one.
 fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
     let mut clock = Clock::standing(0.0);
@@ -42,7 +37,7 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
         if synchronous && clock.step == steps {
             return calls;
         }
-        let before = total();
+        let before = watched();
         gas.refit(&hydro.domain, &clock);
         let next = if synchronous {
             clock.next_base(clock.end + base, base)
@@ -59,7 +54,7 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
         gas.forces(hydro, &clock, &next);
         gas.close(hydro, &clock, &Centre::default());
         gas.open(hydro, &clock, &next, &Centre::default());
-        let made = total() - before;
+        let made = watched() - before;
         if clock.step + 1 == steps {
             calls[usize::from(!synchronous)] += made;
         }
@@ -74,6 +69,7 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
 fn a_tick_between_sorts_asks_for_no_memory() {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(2)
+        .start_handler(|_| watch())
         .build()
         .expect("a pool");
     let hydro = Hydro::new(
