@@ -81,7 +81,7 @@ impl Plan {
         let memory = PROGRAM + working(&scene, system, held) / part;
         let state = held.iter().sum::<usize>() as f64 / part;
         let each = files::snapshot_bytes(&scene, system) / part;
-        let disk = files::disk(&scene, each, state, sampled.operators.len());
+        let disk = files::disk(&scene, each, state, &system.ledger);
         let plan = Self {
             cost,
             memory,

@@ -84,19 +84,20 @@ pub const PROCESSES: &[Process] = &[
         operators: &["drag bodies"],
     },
     Process {
-        name: "growth",
+        name: "growth with drag",
         set: &[
+            "coupling.drag=[\"gas-dust\"]",
             "dust.growth.alpha=1e-3",
             "dust.growth.fragmentation_speed=\"1 m/s\"",
         ],
         needs: [true, true, true],
-        operators: &["growth"],
+        operators: &["growth", "drag dust"],
     },
     Process {
-        name: "turbulence",
-        set: &["dust.turbulence.alpha=1e-3"],
+        name: "turbulence with drag",
+        set: &["coupling.drag=[\"gas-dust\"]", "dust.turbulence.alpha=1e-3"],
         needs: [true, true, true],
-        operators: &["stir dust"],
+        operators: &["stir dust", "drag dust"],
     },
     Process {
         name: "cooling",
@@ -191,8 +192,8 @@ pub fn run(trial: &mut Trial, steps: usize) {
     done.unwrap_or_else(|fault| panic!("{fault}"));
 }
 
-/// Takes `steps` of the only population of a scene by what its own crate offers.
-pub fn alone(scene: &Scene, system: &mut System, steps: usize) {
+/// Takes `steps` of the only population of a scene by what its own crate offers; bodies leave the map that moved them.
+pub fn alone(scene: &Scene, system: &mut System, steps: usize) -> Option<Map> {
     let end = steps as f64 * STEP;
     if let Some(gas) = &scene.gas {
         let hydro = populate::hydro(scene, gas);
@@ -201,8 +202,9 @@ pub fn alone(scene: &Scene, system: &mut System, steps: usize) {
     } else if scene.dust.is_some() {
         dust_alone(&mut system.dust, end);
     } else {
-        bodies_alone(scene, system, steps);
+        return Some(bodies_alone(scene, system, steps));
     }
+    None
 }
 
 /// Dust that flies freely.
@@ -236,7 +238,7 @@ fn dust_alone(dust: &mut dust::Dust, end: f64) {
 }
 
 /// Bodies by the hybrid map.
-fn bodies_alone(scene: &Scene, system: &mut System, steps: usize) {
+fn bodies_alone(scene: &Scene, system: &mut System, steps: usize) -> Map {
     let tridisk::scene::Opening::ForceError(error) = scene.gravity.opening else {
         panic!("a force error");
     };
@@ -255,6 +257,7 @@ fn bodies_alone(scene: &Scene, system: &mut System, steps: usize) {
         let moved = map.step(&mut system.star, &mut system.bodies);
         moved.unwrap_or_else(|stuck| panic!("{}", stuck.reason));
     }
+    map
 }
 
 /// What a word of the command line names: `gas+dust`, `gas alone`, `gas+dust+bodies drag of dust`; whether it names anything.

@@ -1,6 +1,7 @@
 //! Files of a run: how many bytes they will have, and what writing them costs.
 
 use coupling::System;
+use coupling::ledger::{Census, Ledger, Totals};
 use cpu_time::ProcessTime;
 use nbody::points::{ColumnRef, Columns, Keep};
 
@@ -64,11 +65,13 @@ pub fn snapshots(scene: &Scene) -> f64 {
     }
 }
 
-/// Bytes that a run writes: snapshots of `each`, a checkpoint of `state`, and the layout and tables around them; a line of a table for the sums, and
-/// about one and a half for each operator.
-pub fn disk(scene: &Scene, each: f64, state: f64, operators: usize) -> f64 {
+/// Bytes that a run writes: snapshots of `each`, a checkpoint of `state`, and the layout and tables around them, with the lines that the books of the sample
+/// would have had.
+pub fn disk(scene: &Scene, each: f64, state: f64, ledger: &Ledger) -> f64 {
     const LAYOUT: f64 = 3.2e4;
     const LINE: f64 = 200.0;
-    let report = (2.0 + 1.5 * operators as f64) * LINE;
-    snapshots(scene) * (each + LAYOUT) + state + 2.0 * LAYOUT + REPORTS * report
+    let filled = |census: &Census| census.0.iter().filter(|t| **t != Totals::default()).count();
+    let changes = ledger.entries.iter().map(|entry| filled(&entry.change));
+    let lines = 1 + filled(&ledger.initial) + changes.sum::<usize>();
+    snapshots(scene) * (each + LAYOUT) + state + 2.0 * LAYOUT + REPORTS * LINE * lines as f64
 }
