@@ -70,6 +70,11 @@ impl Cost {
     }
 }
 
+/// Ticks that are timed one by one: to read the clock takes as long as a tick of a few bodies.
+const MANY: f64 = 1000.0;
+/// Seconds between marks.
+const PAUSE: f64 = 1e-3;
+
 /// A scene that has been advanced for a moment.
 pub struct Sampled {
     pub cost: Cost,
@@ -178,13 +183,14 @@ impl Probe {
     fn advance(&mut self, time: Duration) -> Result<(), RunError> {
         let began = Instant::now();
         loop {
-            let (at, now) = (ProcessTime::now(), self.system.clock.time());
+            let now = self.system.clock.time();
             let synchronous = self.system.clock.synchronous();
             let over = began.elapsed() >= time || now >= self.schedule.end;
             let due = synchronous && self.schedule.reports(now);
             // The last tick reports if none has but the start.
             let report = due || synchronous && over && self.reported.count < 2.0;
             self.system.reporting = report;
+            let at = (report || self.seen() < MANY).then(ProcessTime::now);
             let active = self.active();
             self.close(now, report)?;
             // What follows the end of the run is never done.
@@ -196,7 +202,7 @@ impl Probe {
                 self.mark(synchronous && now > 0.0, now, began);
                 return Ok(());
             }
-            self.mark(synchronous, now, began);
+            self.mark(synchronous && self.ripe(began), now, began);
             self.splitting.open(&mut self.system, &mut self.watch)?;
             self.splitting.cross(&mut self.system, &mut self.watch)?;
             self.count(at, active, [synchronous, report]);
@@ -268,7 +274,19 @@ impl Probe {
         }
     }
 
-    fn count(&mut self, at: ProcessTime, active: f64, [synchronous, report]: [bool; 2]) {
+    /// Ticks that have been timed.
+    fn seen(&self) -> f64 {
+        self.reported.count + self.whole.count + self.partial.count
+    }
+
+    /// Whether the last mark is so old that another costs next to nothing.
+    fn ripe(&self, began: Instant) -> bool {
+        let last = self.marks.last().map_or(0.0, |mark| mark.wall);
+        self.marks.len() < 3 || began.elapsed().as_secs_f64() > last + PAUSE
+    }
+
+    fn count(&mut self, at: Option<ProcessTime>, active: f64, [synchronous, report]: [bool; 2]) {
+        let Some(at) = at else { return };
         let cpu = at.elapsed().as_secs_f64();
         match (synchronous, report) {
             (true, true) => self.reported.add(active, cpu),
