@@ -31,6 +31,8 @@ fn row(subset: [bool; 3], more: &str, set: &[&str]) {
     let name = format!("{} {more}", subsets::name(subset));
     let name = name.trim();
     let instructions = counted::a_step(env!("CARGO_BIN_EXE_workload"), name) / number as f64;
+    // The first time readies the thread itself.
+    memory(subset, set, 1);
     let [one, two] = [1, 2].map(|steps| memory(subset, set, steps));
     println!(
         "| {name} | {operators} | {instructions:.0} | {:.0} | {:.0} |",
