@@ -266,11 +266,12 @@ pub fn named(words: &str, steps: usize) -> bool {
     let Some(subset) = all().find(|&subset| name(subset) == populations) else {
         return false;
     };
-    let mut set = gravity(
-        subset,
-        more == "self-gravity" || subset == [false, false, true],
-    );
     let process = PROCESSES.iter().find(|process| process.name == more);
+    if process.is_none() && !["", "alone", "self-gravity"].contains(&more) {
+        return false;
+    }
+    let bodies_only = subset == [false, false, true];
+    let mut set = gravity(subset, more == "self-gravity" || bodies_only);
     set.extend(process.iter().flat_map(|process| process.set));
     let mut trial = trial(subset, &set, steps);
     if more == "alone" {
