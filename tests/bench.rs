@@ -34,12 +34,12 @@ pub fn parsed(text: &str) -> Scene {
 
 /// Runs a shipped scene with overrides.
 pub fn run(name: &str, overrides: &[&str]) -> Done {
-    go(scene(name, overrides))
+    run_scene(scene(name, overrides))
 }
 
 /// Whether a scene ends bit for bit the same when its run stops after so many of its snapshots' intervals and is resumed there.
 pub fn resumes(scene: Scene, intervals: f64) -> bool {
-    let whole = go(scene.clone());
+    let whole = run_scene(scene.clone());
     let folder = TempDir::new().expect("a folder");
     let options = |end_time: Option<f64>| Options {
         output: folder.path().to_path_buf(),
@@ -61,10 +61,11 @@ pub fn resumes(scene: Scene, intervals: f64) -> bool {
 
 /// Runs a scene given as text.
 pub fn run_text(text: &str) -> Done {
-    go(parsed(text))
+    run_scene(parsed(text))
 }
 
-fn go(scene: Scene) -> Done {
+/// Runs a scene.
+pub fn run_scene(scene: Scene) -> Done {
     let folder = TempDir::new().expect("a folder");
     let options = Options {
         output: folder.path().to_path_buf(),

@@ -1,5 +1,6 @@
 //! The field's problems, run from scene files through the whole program, against their exact answers.
 
+mod allocator;
 mod bench;
 mod coupled {
     mod conservation;

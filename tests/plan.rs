@@ -131,6 +131,27 @@ fn of_all_together() {
 }
 
 #[test]
+fn of_grains_in_a_box() {
+    check("dust/dusty-box.toml", &[]);
+}
+
+/// Scenes on which no constant of the plan was found; a minute.
+#[test]
+#[ignore = "for the table of the README"]
+fn of_scenes_that_nothing_was_fitted_to() {
+    check("gas/shearing-box.toml", &[]);
+    check("dust/growth.toml", &[]);
+    check("dust/settling-disk.toml", &[]);
+    check("nbody/colliding-belt.toml", &[]);
+    check("nbody/drag-decay.toml", &[]);
+    check("coupled/embryo-in-disk.toml", &[]);
+    check(
+        "nbody/million-planetesimals.toml",
+        &["run.end_time=\"0.04 yr\""],
+    );
+}
+
+#[test]
 fn a_thinned_sample_foresees_the_whole() {
     // The plan of many from a few: what the same plan says when it may start them all.
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("nbody/million-planetesimals.toml");

@@ -8,7 +8,7 @@ use nbody::encounters::{Encounter, Finder};
 use nbody::points::{Columns, Fault, Vec3};
 
 use crate::System;
-use crate::ledger::Census;
+use crate::ledger::{Census, Scope};
 use crate::operator::{Meter, Operator, Phase};
 
 /// A conversion of particles or bodies, or an impact, for the log of events.
@@ -41,6 +41,10 @@ pub struct Accretion {
 impl Operator for Accretion {
     fn name(&self) -> &'static str {
         "accretion"
+    }
+
+    fn between_ticks(&self) -> bool {
+        true
     }
 
     fn counted(&self, _: &System) -> bool {
@@ -95,7 +99,7 @@ impl Accretion {
     /// Feeds the star with those `inside`.
     fn swallow(&mut self, system: &mut System) {
         let census = Census::of(system);
-        system.ledger.turn(census);
+        system.ledger.turn(Scope::Everybody, census);
         for (population, inside) in self.inside.iter().enumerate() {
             if !inside.is_empty() {
                 accrete(system, population, inside);
@@ -106,7 +110,7 @@ impl Accretion {
             system.look();
         }
         let census = Census::of(system);
-        system.ledger.book(self.name(), census);
+        system.ledger.book(self.name(), Scope::Everybody, census);
     }
 }
 
@@ -242,6 +246,10 @@ impl Collisions {
 impl Operator for Collisions {
     fn name(&self) -> &'static str {
         "collisions"
+    }
+
+    fn between_ticks(&self) -> bool {
+        true
     }
 
     fn counted(&self, system: &System) -> bool {

@@ -28,6 +28,10 @@ impl Operator for DriftGas {
         "drift gas"
     }
 
+    fn between_ticks(&self) -> bool {
+        true
+    }
+
     fn counted(&self, _: &System) -> bool {
         false
     }
@@ -49,6 +53,15 @@ impl Operator for DriftDust {
         "drift dust"
     }
 
+    fn between_ticks(&self) -> bool {
+        true
+    }
+
+    /// Straight flight changes nothing that is counted.
+    fn counted(&self, _: &System) -> bool {
+        false
+    }
+
     fn cross(
         &mut self,
         system: &mut System,
@@ -58,7 +71,7 @@ impl Operator for DriftDust {
         meter.enter(Phase::Dust);
         let domain = system.domain;
         system.dust.drift(dt, &domain);
-        Ok(true)
+        Ok(false)
     }
 }
 
@@ -106,6 +119,10 @@ impl<M> DriftBodies<M> {
 impl<M: Motion> Operator for DriftBodies<M> {
     fn name(&self) -> &'static str {
         "drift bodies"
+    }
+
+    fn between_ticks(&self) -> bool {
+        true
     }
 
     fn counted(&self, system: &System) -> bool {

@@ -27,17 +27,14 @@ pub struct Totals {
 }
 
 impl Totals {
-    fn of_one(m: f64, x: Vec3, v: Vec3, u: f64) -> Self {
+    /// Adds a particle, without its scales.
+    fn count(&mut self, m: f64, x: Vec3, v: Vec3, u: f64) {
         let momentum = m * v;
-        let angular_momentum = x.cross(&momentum);
-        Self {
-            mass: m,
-            momentum,
-            angular_momentum,
-            kinetic: 0.5 * v.dot(&momentum),
-            internal: m * u,
-            ..Self::default()
-        }
+        self.mass += m;
+        self.momentum += momentum;
+        self.angular_momentum += x.cross(&momentum);
+        self.kinetic += 0.5 * v.dot(&momentum);
+        self.internal += m * u;
     }
 
     /// The sum with the scales, which take longer.
@@ -63,8 +60,9 @@ impl Totals {
         sum::ordered_by(LEAVES, leaves.len(), Self::default(), |range| {
             let near = leaves[range].iter();
             near.flat_map(|&leaf| gas.tree.nodes[leaf as usize].range())
-                .fold(Self::default(), |total, i| {
-                    total + Self::of_one(p.m[i], p.x[i], p.v[i], p.u[i])
+                .fold(Self::default(), |mut total, i| {
+                    total.count(p.m[i], p.x[i], p.v[i], p.u[i]);
+                    total
                 })
         })
     }
@@ -79,8 +77,9 @@ impl Totals {
 
     fn over(m: &[f64], x: &[Vec3], v: &[Vec3], u: &[f64]) -> Self {
         sum::ordered(m.len(), Self::default(), |range| {
-            range.fold(Self::default(), |total, i| {
-                total + Self::of_one(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0))
+            range.fold(Self::default(), |mut total, i| {
+                total.count(m[i], x[i], v[i], u.get(i).copied().unwrap_or(0.0));
+                total
             })
         })
     }
@@ -140,6 +139,16 @@ impl Sub for Totals {
     }
 }
 
+/// Whom a census counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    Everybody,
+    /// The star, of the gas what is near the active particles, and bodies or not.
+    Near {
+        bodies: bool,
+    },
+}
+
 /// Totals of gas, dust, planetesimals (with planets) and star, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Census(pub [Totals; 4]);
@@ -148,8 +157,15 @@ impl Census {
     /// Names of the populations, in order.
     pub const NAMES: [&'static str; 4] = ["gas", "dust", "planetesimals", "star"];
 
-    /// Counts star and bodies, and of the gas what is near the active particles.
-    pub fn near(system: &System, bodies: bool) -> Self {
+    /// Counts those in `scope`, without the scales.
+    pub fn within(scope: Scope, system: &System) -> Self {
+        match scope {
+            Scope::Everybody => Self::of(system),
+            Scope::Near { bodies } => Self::near(system, bodies),
+        }
+    }
+
+    fn near(system: &System, bodies: bool) -> Self {
         let count = |all: &Bodies, pending: &[Vec3]| {
             let mut total = Totals::over(&all.m, &all.x, &all.v, &[]);
             total.angular_momentum += spin(&all.spin);
@@ -239,7 +255,7 @@ pub struct Ledger {
     /// How often a grain did not grow since it would have outweighed its swarm.
     pub whole: u64,
     /// The last census, while it still says how the system stands.
-    last: Option<Census>,
+    last: Option<(Scope, Census)>,
 }
 
 /// One line of the history: everything in code units, errors relative.
@@ -285,12 +301,12 @@ impl Ledger {
         self.entries.clear();
         self.initial = system;
         self.initial_potential = potential;
-        self.last = Some(system);
+        self.forget();
     }
 
     /// Takes the system as it stands as the state that the next entry is compared with.
-    pub fn turn(&mut self, system: Census) {
-        self.last = Some(system);
+    pub fn turn(&mut self, scope: Scope, system: Census) {
+        self.last = Some((scope, system));
     }
 
     /// What changes now belongs to nobody.
@@ -298,17 +314,17 @@ impl Ledger {
         self.last = None;
     }
 
-    /// Whether the state is known that the next entry is compared with.
-    pub fn remembers(&self) -> bool {
-        self.last.is_some()
+    /// Whether the state of those in `scope` is known that the next entry is compared with.
+    pub fn remembers(&self, scope: Scope) -> bool {
+        self.last.is_some_and(|(known, _)| known == scope)
     }
 
     /// Books what has changed since the last entry as the work of `operator`.
-    pub fn book(&mut self, operator: &str, system: Census) {
-        let last = self.last.unwrap_or(system);
+    pub fn book(&mut self, operator: &str, scope: Scope, system: Census) {
+        let last = self.last.map_or(system, |(_, last)| last);
         let change = Census(std::array::from_fn(|k| system.0[k] - last.0[k]));
         self.add(operator, &change);
-        self.last = Some(system);
+        self.last = Some((scope, system));
     }
 
     /// Books `change` as the work of `operator`.

@@ -3,6 +3,7 @@
 use nbody::points::Fault;
 
 use crate::System;
+use crate::ledger::Scope;
 
 /// The parts of the work that timings tell apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +72,16 @@ pub trait Operator: Send {
     /// counts, or that book themselves.
     fn counted(&self, _: &System) -> bool {
         true
+    }
+
+    /// Whether it acts between ticks, and not at them.
+    fn between_ticks(&self) -> bool {
+        false
+    }
+
+    /// Whom it counts then: all whom the operator may change.
+    fn scope(&self, _: &System) -> Scope {
+        Scope::Everybody
     }
 
     /// What is needed at the present positions, for closing and opening alike.

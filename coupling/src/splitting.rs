@@ -55,17 +55,18 @@ impl Splitting {
         system.ledger.forget();
         let books = self.bookkeeping;
         for operator in self.operators.iter_mut().rev() {
-            booked(books, operator.as_mut(), system, |o, s| o.close(s, meter))?;
+            let here = books && !operator.between_ticks();
+            booked(here, operator.as_mut(), system, |o, s| o.close(s, meter))?;
         }
         Ok(())
     }
 
     /// Begins the steps that begin at this tick.
     pub fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
-        system.ledger.forget();
         let books = self.bookkeeping;
         for operator in &mut self.operators {
-            booked(books, operator.as_mut(), system, |o, s| o.open(s, meter))?;
+            let here = books && !operator.between_ticks();
+            booked(here, operator.as_mut(), system, |o, s| o.open(s, meter))?;
         }
         if system.bodies_active() {
             let (begin, span) = (system.next.tick, system.pace.next_span);
@@ -85,10 +86,10 @@ impl Splitting {
         let tick = system.next_tick().min(TICKS);
         let dt = f64::from(tick - system.clock.tick) * system.clock.unit();
         system.clock.tick = tick;
-        system.ledger.forget();
         let books = self.bookkeeping;
         for operator in &mut self.operators {
-            booked(books, operator.as_mut(), system, |o, s| {
+            let here = books && operator.between_ticks();
+            booked(here, operator.as_mut(), system, |o, s| {
                 o.cross(s, dt, meter)
             })?;
         }
@@ -96,21 +97,27 @@ impl Splitting {
     }
 }
 
-/// Lets an operator act, and books what it changed.
+/// Lets an operator act; `here`, where it has something to do, books what it changed: by a census before, if the last one is not of now, and another
+/// after.
 fn booked(
-    bookkeeping: bool,
+    here: bool,
     operator: &mut dyn Operator,
     system: &mut System,
     act: impl FnOnce(&mut dyn Operator, &mut System) -> Result<bool, Fault>,
 ) -> Result<(), Fault> {
-    let counted = bookkeeping && operator.counted(system);
-    if counted && !system.ledger.remembers() {
-        let census = Census::of(system);
-        system.ledger.turn(census);
+    let counted = here && operator.counted(system);
+    let scope = operator.scope(system);
+    if counted && !system.ledger.remembers(scope) {
+        let census = Census::within(scope, system);
+        system.ledger.turn(scope, census);
     }
-    if act(operator, system)? && counted {
-        let census = Census::of(system);
-        system.ledger.book(operator.name(), census);
+    if act(operator, system)? {
+        if counted {
+            let census = Census::within(scope, system);
+            system.ledger.book(operator.name(), scope, census);
+        } else {
+            system.ledger.forget();
+        }
     }
     Ok(())
 }

@@ -115,6 +115,9 @@ impl Dust {
     /// Returns the momentum that crossing the faces of a shearing box gave.
     pub fn refit(&mut self, domain: &Domain, clock: &Clock) -> Vec3 {
         let mut gained = Vec3::zeros();
+        if self.is_empty() {
+            return gained;
+        }
         if clock.synchronous() {
             let (p, v_pred) = (&mut self.particles, &mut self.rates.v_pred);
             let velocities = p.v.iter_mut().zip(v_pred);

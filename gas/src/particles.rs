@@ -238,6 +238,9 @@ impl Gas {
     /// growth of leaves has cost as much as sorting, that means to move everything, to bring positions back into the box and to sort anew.
     /// Returns the momentum that crossing the faces of a shearing box gave.
     pub fn refit(&mut self, domain: &Domain, clock: &Clock) -> Vec3 {
+        if self.is_empty() {
+            return Vec3::zeros();
+        }
         for &leaf in &self.tree.leaves {
             let node = &mut self.tree.nodes[leaf as usize];
             (node.lo, node.hi) = self.leaves[leaf as usize].span(clock);

@@ -444,7 +444,9 @@ fn operators(
                 .map_or(f64::INFINITY, |hydro| DUST_STEP * hydro.courant),
         };
         let reaction = reaction(Mass::Dust, plan.dust);
-        list.push(Box::new(KickDust::new(pacing, parts, reaction)));
+        let mut kick = KickDust::new(pacing, parts, reaction);
+        kick.pulled = plan.tree.is_some() || bodies || scene.domain.hill().is_some();
+        list.push(Box::new(kick));
         list.extend(stirring(scene, hydro.as_ref().filter(|_| gas)));
     }
     if let Some(hydro) = hydro.filter(|_| gas) {

@@ -27,6 +27,8 @@ pub struct Cost {
     pub start_s: f64,
     /// CPU time of a report, s.
     pub report_s: f64,
+    /// CPU time of all snapshots, s; zero where nobody has looked.
+    pub files_s: f64,
     /// Wall-clock time by CPU time, on the threads that are used now.
     pub wall: f64,
     /// Updates of gas, dust and bodies a unit of time.
@@ -46,7 +48,7 @@ pub struct Cost {
 impl Cost {
     /// CPU time of the whole run, s.
     pub fn cpu_s(&self) -> f64 {
-        self.start_s + self.rate * self.end + self.report_s * self.reports
+        self.start_s + self.rate * self.end + self.report_s * self.reports + self.files_s
     }
 
     /// The longest base step that the run does.
@@ -67,6 +69,11 @@ impl Cost {
         self.updates.map(|rate| rate * self.end)
     }
 }
+
+/// Ticks that are timed one by one: to read the clock takes as long as a tick of a few bodies.
+const MANY: f64 = 1000.0;
+/// Seconds between marks.
+const PAUSE: f64 = 1e-3;
 
 /// A scene that has been advanced for a moment.
 pub struct Sampled {
@@ -176,13 +183,14 @@ impl Probe {
     fn advance(&mut self, time: Duration) -> Result<(), RunError> {
         let began = Instant::now();
         loop {
-            let (at, now) = (ProcessTime::now(), self.system.clock.time());
+            let now = self.system.clock.time();
             let synchronous = self.system.clock.synchronous();
             let over = began.elapsed() >= time || now >= self.schedule.end;
             let due = synchronous && self.schedule.reports(now);
             // The last tick reports if none has but the start.
             let report = due || synchronous && over && self.reported.count < 2.0;
             self.system.reporting = report;
+            let at = (report || self.seen() < MANY).then(ProcessTime::now);
             let active = self.active();
             self.close(now, report)?;
             // What follows the end of the run is never done.
@@ -194,7 +202,7 @@ impl Probe {
                 self.mark(synchronous && now > 0.0, now, began);
                 return Ok(());
             }
-            self.mark(synchronous, now, began);
+            self.mark(synchronous && self.ripe(began), now, began);
             self.splitting.open(&mut self.system, &mut self.watch)?;
             self.splitting.cross(&mut self.system, &mut self.watch)?;
             self.count(at, active, [synchronous, report]);
@@ -266,7 +274,19 @@ impl Probe {
         }
     }
 
-    fn count(&mut self, at: ProcessTime, active: f64, [synchronous, report]: [bool; 2]) {
+    /// Ticks that have been timed.
+    fn seen(&self) -> f64 {
+        self.reported.count + self.whole.count + self.partial.count
+    }
+
+    /// Whether the last mark is so old that another costs next to nothing.
+    fn ripe(&self, began: Instant) -> bool {
+        let last = self.marks.last().map_or(0.0, |mark| mark.wall);
+        self.marks.len() < 3 || began.elapsed().as_secs_f64() > last + PAUSE
+    }
+
+    fn count(&mut self, at: Option<ProcessTime>, active: f64, [synchronous, report]: [bool; 2]) {
+        let Some(at) = at else { return };
         let cpu = at.elapsed().as_secs_f64();
         match (synchronous, report) {
             (true, true) => self.reported.add(active, cpu),
@@ -316,6 +336,7 @@ impl Probe {
             rate: (rate - report_s * reports_within).max(0.0),
             start_s,
             report_s,
+            files_s: 0.0,
             wall,
             updates: self.all.0.map(|updates| updates / self.all.1),
             ticks: self.ticks,

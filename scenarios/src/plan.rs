@@ -1,28 +1,33 @@
 //! A plan: what a run takes before it is run, and what it can be trusted with.
 //!
-//! The scene is really started and advanced for a moment. One that is too large for that is thinned out first; its cost then follows from
-//! N and from steps ~ N^(-1/d) where the Courant condition sets them. Memory is what was measured of whole programs by that of the
+//! The scene is really started and advanced for a moment, and a snapshot of it written. One that is too large for that is thinned out first. Memory is what was measured of whole programs by that of the
 //! particles' columns.
 
 mod expected;
+mod files;
 mod resolution;
+mod scaled;
 pub mod seed;
 
 use std::fmt::Write;
 use std::path::Path;
 
 use coupling::System;
-use nbody::points::{ColumnRef, Columns, Dimension, Keep};
+use nbody::points::{Columns, Dimension};
 
 use crate::cost::{self, Cost, Sampled};
 use crate::document;
 use crate::outline;
-use crate::run::{REPORTS, RunError};
-use crate::scene::{Scene, Snapshots};
+use crate::run::RunError;
+use crate::scene::Scene;
 use crate::thin::thinned;
+use files::snapshots;
+use scaled::scaled;
 
 /// Particles up to which a scene is started as it is.
 const MOST: f64 = 200_000.0;
+/// The part of a thinned sample that another one has, to see how the cost grows with the number.
+const FEWER: f64 = 0.25;
 /// What a program takes by itself, bytes.
 const PROGRAM: f64 = 24e6;
 /// Bytes that gas, dust and bodies hold with their trees and workspaces, by those of their columns.
@@ -62,16 +67,21 @@ impl Plan {
             part = generated(&small) / all;
         }
         let sampled = cost::sample(&small, seconds)?;
-        let (cost, system) = (scaled(sampled.cost, &scene, part), &sampled.system);
+        let mut cost = sampled.cost;
+        if part < 1.0 {
+            let fewer = thinned(&small, &Default::default(), FEWER);
+            let fewer = load(&[set, &thin, &fewer].concat())?;
+            let rate = cost::sample(&fewer, seconds)?.cost.rate;
+            let numbers = [&fewer, &small, &scene].map(generated);
+            cost = scaled(cost, &scene, numbers, rate);
+        }
+        let system = &sampled.system;
+        cost.files_s = snapshots(&scene) * files::seconds(&small, system) / part;
         let held = sets(system).map(|sets| sets.iter().map(|set| set.bytes()).sum::<usize>());
         let memory = PROGRAM + working(&scene, system, held) / part;
         let state = held.iter().sum::<usize>() as f64 / part;
-        let disk = disk(
-            &scene,
-            snapshot_bytes(&scene, system) / part,
-            state,
-            sampled.operators.len(),
-        );
+        let each = files::snapshot_bytes(&scene, system) / part;
+        let disk = files::disk(&scene, each, state, &system.ledger);
         let plan = Self {
             cost,
             memory,
@@ -90,28 +100,6 @@ fn generated(scene: &Scene) -> f64 {
     let dust = scene.dust.as_ref().map_or(0, |dust| dust.particles);
     let bodies = scene.planetesimals.map_or(0, |p| p.number);
     (gas + dust + bodies) as f64
-}
-
-/// The cost of a scene of which a part of the particles was sampled.
-fn scaled(cost: Cost, scene: &Scene, part: f64) -> Cost {
-    if part >= 1.0 {
-        return cost;
-    }
-    // A tree's depth grows with the logarithm of the number; steps of gas shrink with the spacing.
-    let number = generated(scene);
-    let depth = number.ln() / (number * part).ln();
-    let steps = match scene.gas {
-        Some(_) => part.powf(-1.0 / scene.domain.dimensions() as f64),
-        None => 1.0,
-    };
-    Cost {
-        rate: cost.rate / part * depth * steps,
-        start_s: cost.start_s / part,
-        report_s: cost.report_s / part,
-        updates: cost.updates.map(|updates| updates / part * steps),
-        ticks: cost.ticks * steps,
-        ..cost
-    }
 }
 
 /// Bytes that particles with columns of `held` bytes take at work.
@@ -140,52 +128,6 @@ fn sets(system: &System) -> [Vec<&dyn Columns>; 3] {
         vec![&dust.particles, &dust.derived, &dust.rates],
         vec![&system.bodies, &system.star],
     ]
-}
-
-/// Bytes of a snapshot.
-fn snapshot_bytes(scene: &Scene, system: &System) -> f64 {
-    let shown = |set: &&dyn Columns| -> usize {
-        let list = set.list();
-        let columns = list
-            .iter()
-            .filter(|(label, _)| matches!(label.keep, Keep::Snapshot));
-        columns.map(|(_, column)| bytes(column)).sum()
-    };
-    let columns: usize = sets(system).iter().flatten().map(shown).sum();
-    // Beside the columns: temperatures, numbers of a swarm, densities; accelerations and potentials if wanted.
-    let number = system.gas.len() + system.dust.len() + system.bodies.len();
-    let more = if scene.run.write_accelerations { 64 } else { 8 };
-    (columns + number * more) as f64
-}
-
-fn bytes(column: &ColumnRef) -> usize {
-    match column {
-        ColumnRef::Real(v) => size_of_val(*v),
-        ColumnRef::Vector(v) => size_of_val(*v),
-        ColumnRef::Integer(v) => size_of_val(*v),
-        ColumnRef::Short(v) => size_of_val(*v),
-    }
-}
-
-/// Snapshots that the run writes.
-fn snapshots(scene: &Scene) -> f64 {
-    match &scene.run.snapshots {
-        Snapshots::None => 0.0,
-        Snapshots::Every(interval) => (scene.run.end_time / interval - 1e-9).ceil() + 1.0,
-        Snapshots::At(times) => {
-            let inside = |t: &&f64| **t > 0.0 && **t < scene.run.end_time;
-            times.iter().filter(inside).count() as f64 + 2.0
-        }
-    }
-}
-
-/// Bytes that a run writes: snapshots of `each`, a checkpoint of `state`, and the layout and tables around them; a line of a table for the sums, and
-/// about one and a half for each operator.
-fn disk(scene: &Scene, each: f64, state: f64, operators: usize) -> f64 {
-    const LAYOUT: f64 = 3.2e4;
-    const LINE: f64 = 200.0;
-    let report = (2.0 + 1.5 * operators as f64) * LINE;
-    snapshots(scene) * (each + LAYOUT) + state + 2.0 * LAYOUT + REPORTS * report
 }
 
 /// The plan of a scene's file in words.
@@ -246,6 +188,7 @@ pub fn numbers(path: &Path, set: &[String], seconds: f64) -> Result<String, RunE
         "cpu_s": cost.cpu_s(),
         "start_cpu_s": cost.start_s,
         "report_cpu_s": cost.report_s,
+        "files_cpu_s": cost.files_s,
         "wall_s": cost.wall_s(),
         "threads": rayon::current_num_threads(),
         "memory_bytes": plan.memory,

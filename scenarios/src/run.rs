@@ -96,6 +96,11 @@ pub fn resume(folder: &Path, options: &Options) -> Result<Outcome, RunError> {
     Run::new(scene, saved.system, folder, watch, options)?.go()
 }
 
+/// Writes a snapshot of a system as it stands.
+pub fn snapshot(path: &Path, scene: &Scene, system: &System) -> Result<(), RunError> {
+    output::snapshot(path, scene, system, system.clock.time())
+}
+
 /// A run in progress.
 struct Run {
     scene: Scene,
@@ -195,8 +200,8 @@ impl Run {
         self.folder.report(&row, &mut self.system)?;
         output::conserved(&row, &self.system.domain)?;
         if let Some(number) = snapshot {
-            self.folder
-                .snapshot(number, &self.scene, &self.system, now)?;
+            let path = self.folder.path(&format!("snapshot_{number:04}.hdf5"));
+            output::snapshot(&path, &self.scene, &self.system, now)?;
         }
         Ok(())
     }

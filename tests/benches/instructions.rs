@@ -1,37 +1,23 @@
-//! Instructions a step of each workload, counted by valgrind and compared with those on record; `UPDATE_INSTRUCTIONS=1` writes the record.
+//! Instructions a step of each workload, counted by valgrind and compared with those on record (`UPDATE_INSTRUCTIONS=1` writes the record); those of
+//! scenes of one population are compared with those of its crate alone.
 //!
 //! Valgrind offers programs no AVX-512, so the count is of the AVX2 code, on one thread; it repeats to a part in 1e5, whatever else the
 //! machine does. Set-up drops out: a run of two steps is compared with a run of one.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use rayon::prelude::*;
-use tridisk_tests::workloads;
+use tridisk_tests::{counted, workloads};
+
+/// The program that counts are of.
+const WORKLOAD: &str = env!("CARGO_BIN_EXE_workload");
 
 /// How much more instructions than on record a workload may take; much fewer want a new record.
 const BAR: f64 = 0.05;
 
 fn record() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/instructions.toml")
-}
-
-/// Instructions of a run, in all.
-fn counted(name: &str, steps: usize) -> f64 {
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg(env!("CARGO_BIN_EXE_workload"))
-        .args([name, &steps.to_string()])
-        .env("RAYON_NUM_THREADS", "1")
-        .output()
-        .expect("valgrind, which setup.sh installs");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{name}: {said}");
-    let line = said.lines().find(|line| line.contains("Collected :"));
-    let word = line.and_then(|line| line.split_whitespace().last());
-    word.and_then(|word| word.parse().ok())
-        .unwrap_or_else(|| panic!("no count in {said}"))
 }
 
 #[test]
@@ -41,7 +27,7 @@ fn no_workload_takes_more_instructions_than_on_record() {
         .par_iter()
         .map(|workload| {
             let name = workload.name;
-            let step = counted(name, 2) - counted(name, 1);
+            let step = counted::a_step(WORKLOAD, name);
             (name.to_owned(), (step / 1e3).round() / 1e3)
         })
         .collect();
@@ -63,5 +49,18 @@ fn no_workload_takes_more_instructions_than_on_record() {
             (ratio - 1.0).abs() < BAR,
             "{name}: {ratio:.3} of the instructions on record; a gain wants a new record"
         );
+    }
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts are of release builds")]
+fn a_scene_of_one_population_costs_what_its_crate_costs() {
+    for population in ["gas", "dust", "bodies"] {
+        let scene = counted::a_step(WORKLOAD, population);
+        let alone = counted::a_step(WORKLOAD, &format!("{population} alone"));
+        let ratio = scene / alone;
+        println!("{population}: {scene:.3e} instructions a step, {ratio:.4} of its crate's");
+        // Both do the same steps: much less would be work left out.
+        assert!(ratio < 1.02 && ratio > 0.99, "{population}: {ratio:.4}");
     }
 }

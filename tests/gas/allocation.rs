@@ -1,51 +1,10 @@
 //! Allocation: a tick of gas between two sorts asks the system for no memory.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use gas::{Gas, Hydro, Particles};
 use nbody::points::clock::{Centre, Pacing, TICKS};
 use nbody::points::{Clock, Columns, Domain, Vec3};
 
-/// The system's allocator, which counts what threads ask of it that are counted.
-struct Counting;
-
-static CALLS: AtomicU64 = AtomicU64::new(0);
-
-thread_local! {
-    static COUNTED: Cell<bool> = const { Cell::new(false) };
-}
-
-fn count() {
-    // A thread that ends has no flag any more.
-    if COUNTED.try_with(Cell::get).unwrap_or(false) {
-        CALLS.fetch_add(1, Ordering::Relaxed);
-    }
-}
-
-// SAFETY: everything is left to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(memory, layout) }
-    }
-
-    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise.
-        unsafe { System.realloc(memory, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
+use crate::allocator::{watch, watched};
 
 const SIDE: usize = 24;
 
@@ -78,7 +37,7 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
         if synchronous && clock.step == steps {
             return calls;
         }
-        let before = CALLS.load(Ordering::Relaxed);
+        let before = watched();
         gas.refit(&hydro.domain, &clock);
         let next = if synchronous {
             clock.next_base(clock.end + base, base)
@@ -95,7 +54,7 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
         gas.forces(hydro, &clock, &next);
         gas.close(hydro, &clock, &Centre::default());
         gas.open(hydro, &clock, &next, &Centre::default());
-        let made = CALLS.load(Ordering::Relaxed) - before;
+        let made = watched() - before;
         if clock.step + 1 == steps {
             calls[usize::from(!synchronous)] += made;
         }
@@ -110,7 +69,7 @@ fn calls(gas: &mut Gas, hydro: &Hydro, base: f64, steps: u64) -> [u64; 2] {
 fn a_tick_between_sorts_asks_for_no_memory() {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(2)
-        .start_handler(|_| COUNTED.set(true))
+        .start_handler(|_| watch())
         .build()
         .expect("a pool");
     let hydro = Hydro::new(

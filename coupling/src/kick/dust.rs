@@ -14,6 +14,8 @@ pub struct KickDust {
     pub pacing: Steps,
     pub parts: Parts,
     pub reaction: Reaction,
+    /// Whether anything pulls the dust; else its kicks change nothing.
+    pub pulled: bool,
     /// Places of the dust whose step ends now.
     active: Vec<u32>,
 }
@@ -24,11 +26,15 @@ impl KickDust {
             pacing,
             parts,
             reaction,
+            pulled: true,
             active: Vec::new(),
         }
     }
 
     fn react(&self, system: &mut System, pace: impl Fn(&System, usize) -> Weight + Sync) {
+        if !self.pulled {
+            return;
+        }
         let heavies = heavies(system);
         let memory = std::mem::take(&mut system.given);
         let centre = self.reaction.centre(system);
@@ -52,10 +58,16 @@ impl Operator for KickDust {
         "kick dust"
     }
 
+    fn counted(&self, _: &System) -> bool {
+        self.pulled
+    }
+
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
         meter.enter(Phase::Dust);
         let pacing = self.pacing.of(system);
-        system.list_active_dust(&mut self.active);
+        if self.pulled {
+            system.list_active_dust(&mut self.active);
+        }
         system
             .dust
             .steps(&pacing, self.parts, &system.clock, &system.next)?;
@@ -70,7 +82,7 @@ impl Operator for KickDust {
         let centre = self.reaction.centre(system);
         let gained = system.dust.close(&system.clock, &centre, &system.domain);
         system.ledger.receive(gained);
-        Ok(true)
+        Ok(self.pulled)
     }
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
@@ -80,6 +92,6 @@ impl Operator for KickDust {
         let (clock, next) = (&system.clock, &system.next);
         let gained = system.dust.open(clock, next, &centre, &system.domain);
         system.ledger.receive(gained);
-        Ok(true)
+        Ok(self.pulled)
     }
 }

@@ -7,7 +7,7 @@ use super::Steps;
 use super::reaction::{Kicked, Reaction, Weight, receive};
 use crate::System;
 use crate::gravity::heavies;
-use crate::ledger::Census;
+use crate::ledger::Scope;
 use crate::operator::{Meter, Operator, Phase};
 
 /// Finds density, pressure and what else a gas particle needs before forces.
@@ -80,16 +80,6 @@ impl KickGas {
         }
         receive(system, heavies, given);
     }
-
-    /// Books what `kick` changes: of the gas only what is near the active particles, and whoever reacts.
-    fn book(&self, system: &mut System, kick: impl FnOnce(&mut System)) {
-        let bodies = system.bodies_active() || self.reaction.on[1];
-        let before = Census::near(system, bodies);
-        kick(system);
-        let after = Census::near(system, bodies);
-        let change = Census(std::array::from_fn(|k| after.0[k] - before.0[k]));
-        system.ledger.add(self.name(), &change);
-    }
 }
 
 impl Operator for KickGas {
@@ -97,8 +87,10 @@ impl Operator for KickGas {
         "kick gas"
     }
 
-    fn counted(&self, _: &System) -> bool {
-        false
+    fn scope(&self, system: &System) -> Scope {
+        Scope::Near {
+            bodies: system.bodies_active() || self.reaction.on[1],
+        }
     }
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
@@ -122,32 +114,28 @@ impl Operator for KickGas {
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        self.book(system, |system| {
-            self.react(
-                system,
-                |s, i| Weight::closing(s, s.gas.particles.begin[i], s.gas.particles.span[i]),
-                |s, i| s.gas.field_closing(&s.clock, i),
-            );
-            let centre = self.reaction.centre(system);
-            let heat = system.gas.close(&self.hydro, &system.clock, &centre);
-            system.ledger.take(heat);
-        });
+        self.react(
+            system,
+            |s, i| Weight::closing(s, s.gas.particles.begin[i], s.gas.particles.span[i]),
+            |s, i| s.gas.field_closing(&s.clock, i),
+        );
+        let centre = self.reaction.centre(system);
+        let heat = system.gas.close(&self.hydro, &system.clock, &centre);
+        system.ledger.take(heat);
         Ok(true)
     }
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Hydro);
-        self.book(system, |system| {
-            self.react(
-                system,
-                |s, i| Weight::opening(s, s.gas.rates.next_span[i]),
-                |s, i| s.opening(s.gas.rates.next_field_span[i]),
-            );
-            let centre = self.reaction.centre(system);
-            let (clock, next) = (&system.clock, &system.next);
-            let heat = system.gas.open(&self.hydro, clock, next, &centre);
-            system.ledger.take(heat);
-        });
+        self.react(
+            system,
+            |s, i| Weight::opening(s, s.gas.rates.next_span[i]),
+            |s, i| s.opening(s.gas.rates.next_field_span[i]),
+        );
+        let centre = self.reaction.centre(system);
+        let (clock, next) = (&system.clock, &system.next);
+        let heat = system.gas.open(&self.hydro, clock, next, &centre);
+        system.ledger.take(heat);
         Ok(true)
     }
 }

@@ -41,6 +41,9 @@ use hard::Hard;
 pub use map::Map;
 use neighbours::{Neighbours, Swarm};
 
+/// Up to so many bodies their order in memory does not matter: columns of 200 bytes a body fit into a cache of half a megabyte.
+const CACHED: usize = 2048;
+
 /// Why a body cannot be moved.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum Reason {
@@ -246,10 +249,10 @@ impl Hybrid {
         bodies.cutoff = cutoffs;
     }
 
-    /// Puts many bodies into the order of the Morton curve, where those near in space are near in memory; few stay. Answers which body has
-    /// come to each place, none if they stay.
+    /// Puts bodies that are too many for a fast cache into the order of the Morton curve, where those near in space are near in memory; few
+    /// stay. Answers which body has come to each place, none if they stay.
     pub fn arrange(&mut self, bodies: &mut Bodies) -> Vec<u32> {
-        if bodies.x.len() <= neighbours::FEW {
+        if bodies.x.len() <= CACHED {
             return Vec::new();
         }
         let order = {

@@ -142,20 +142,13 @@ impl Folder {
         };
         Ok(timings.write(&self.path("timings.json"))?)
     }
+}
 
-    /// Writes the state as it stands, closed at `now`.
-    pub fn snapshot(
-        &self,
-        number: usize,
-        scene: &Scene,
-        system: &System,
-        now: f64,
-    ) -> Result<(), RunError> {
-        let extra = Extra::of(scene, system);
-        let path = self.path(&format!("snapshot_{number:04}.hdf5"));
-        snapshot::write(&path, scene, now, &extra.groups(scene, system))?;
-        Ok(())
-    }
+/// Writes the state as it stands, closed at `now`.
+pub fn snapshot(path: &Path, scene: &Scene, system: &System, now: f64) -> Result<(), RunError> {
+    let extra = Extra::of(scene, system);
+    snapshot::write(path, scene, now, &extra.groups(scene, system))?;
+    Ok(())
 }
 
 fn ledger_row(report: &Report) -> LedgerRow {
