@@ -56,7 +56,9 @@ pub enum Fault {
         time: f64,
     },
     #[error(
-        "{population} particle {id}: the equation of state has no pressure or sound speed at density {density:e} and internal energy {energy:e}, at time {}",
+        "{population} particle {id}: the equation of state has no pressure or sound speed at density {} and internal energy {}, at time {}",
+        shown(*density),
+        shown(*energy),
         shown(*time)
     )]
     NoState {
@@ -82,10 +84,10 @@ pub enum Fault {
     },
 }
 
-/// A time in few digits, whatever its size.
-fn shown(time: f64) -> String {
-    match time.abs() {
-        0.0 | 1e-4..1e9 => time.to_string(),
-        _ => format!("{time:e}"),
+/// A number in few digits, whatever its size.
+fn shown(x: f64) -> String {
+    match x.abs() {
+        0.0 | 1e-4..1e9 => x.to_string(),
+        _ => format!("{x:e}"),
     }
 }
