@@ -208,6 +208,50 @@ fn the_cheapest_good_setting_goes_into_the_file_and_remarks_stay() {
     assert_eq!(folder.text("scene.toml"), wanted);
 }
 
+/// A ring of light bodies, whose places follow from the seed.
+const RING: &str = r#"
+[run]
+end_time = "5 yr"
+snapshots = "none"
+[star]
+mass = "1 Msun"
+[planetesimals]
+number = 20
+total_mass = "0.1 Mearth"
+inner_radius = "0.9 au"
+outer_radius = "1.1 au"
+eccentricity = 0.1
+density = "2 g/cm^3"
+integrator = "leapfrog"
+"#;
+
+#[test]
+fn a_setting_is_confirmed_with_other_seeds_or_not() {
+    let folder = Folder::with(RING);
+    let knobs = ["--knob", "planetesimals.time_step=0.1,0.05"];
+    assert!(folder.trade(&knobs).status.success());
+    let error = folder.numbers("error_energy")[0];
+    let confirm = |bar: f64, seed: u64| {
+        let (bar, seed) = (format!("energy={bar:e}"), seed.to_string());
+        folder.trade(&[&knobs[..], &["--error", &bar, "--confirm", &seed]].concat())
+    };
+    // Twenty orbits of the same kind are as wrong as twenty others, within a factor.
+    let output = confirm(10.0 * error, 2);
+    let (said, trouble) = words(&output);
+    assert!(said.contains("with seed 2: energy "), "{said} {trouble}");
+    assert!(output.status.success(), "{trouble}");
+    // What the first seed just keeps to, some of the others do not.
+    let ends = [2, 3, 4, 5, 6].map(|seed| confirm(error * (1.0 + 1e-9), seed));
+    let broken = ends.iter().find(|end| !end.status.success());
+    let (_, trouble) = words(broken.expect("a seed with larger errors"));
+    assert!(trouble.contains("with the other seed"), "{trouble}");
+    let (_, trouble) = words(&folder.trade(&[&knobs[..], &["--confirm", "2"]].concat()));
+    assert!(
+        trouble.contains("--confirm: needs --error METRIC=VALUE"),
+        "{trouble}"
+    );
+}
+
 #[test]
 fn wrong_knobs_are_refused_in_words() {
     let folder = Folder::with(PLANETS);

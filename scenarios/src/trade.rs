@@ -36,6 +36,8 @@ pub struct Request {
     pub within: Option<f64>,
     /// Whether the cheapest setting within the wanted errors goes into the scene's file.
     pub apply: bool,
+    /// Another seed, with which that setting is to meet them, too.
+    pub confirm: Option<u64>,
     pub output: Option<PathBuf>,
     /// `key=value,...`.
     pub reference: Option<String>,
@@ -94,12 +96,13 @@ pub fn trade(request: &Request) -> Result<End, RunError> {
     if limits.is_empty() && request.within.is_none() {
         return Ok(End::Done);
     }
-    advise(request, &table, limits)
+    advise(request, &course, &table, limits)
 }
 
-/// Names the cheapest setting within the wanted errors, and applies it if that is wished.
+/// Names the cheapest setting within the wanted errors, and confirms and applies it if that is wished.
 fn advise(
     request: &Request,
+    course: &Course,
     table: &Table,
     limits: Vec<(&'static str, f64)>,
 ) -> Result<End, RunError> {
@@ -133,10 +136,44 @@ fn advise(
         said.join(", "),
         row.setting.words()
     );
+    if let Some(seed) = request.confirm {
+        confirm(request, course, (&row.setting, &limits), seed)?;
+    }
     if request.apply {
         apply(&request.scene, &row.setting)?;
     }
     Ok(End::Done)
+}
+
+/// Runs a setting and the reference with another seed; fails if an error is beyond its limit then.
+fn confirm(
+    request: &Request,
+    course: &Course,
+    (setting, limits): (&Setting, &[(&'static str, f64)]),
+    seed: u64,
+) -> Result<(), RunError> {
+    let again = course.with_seed(setting, seed);
+    let ended = again.run(&course.folder.join("settings"), request);
+    let (table, trouble) = again.table(&ended);
+    if let Some(sentence) = trouble {
+        return Err(RunError::Failed(sentence));
+    }
+    let found = match table.rows.first().map(|row| &row.outcome) {
+        Some(Ok(outcome)) => &outcome.errors,
+        Some(Err(sentence)) => return Err(RunError::Failed(sentence.clone())),
+        None => return Ok(()),
+    };
+    let error = |metric: &str| found.get(metric).map_or(f64::NAN, |found| found.error);
+    let said: Vec<String> = (limits.iter())
+        .map(|(metric, bar)| format!("{metric} {:.2e} of {bar:e}", error(metric)))
+        .collect();
+    println!("with seed {seed}: {}", said.join(", "));
+    let holds = limits.iter().all(|(metric, bar)| error(metric) <= *bar);
+    if holds {
+        return Ok(());
+    }
+    let sentence = "the setting does not keep within the wanted errors with the other seed";
+    Err(RunError::Failed(sentence.to_owned()))
 }
 
 /// Writes a setting into the file of the scene.
@@ -151,11 +188,16 @@ fn apply(path: &Path, setting: &Setting) -> Result<(), RunError> {
 }
 
 fn limits(request: &Request) -> Result<Vec<(&'static str, f64)>, String> {
-    if request.apply && request.errors.is_empty() && request.within.is_none() {
-        return Err(
-            "--apply: needs --error METRIC=VALUE or --within VALUE, which say what is good enough"
-                .to_owned(),
-        );
+    if request.errors.is_empty() && request.within.is_none() {
+        let wishes = [
+            (request.apply, "--apply"),
+            (request.confirm.is_some(), "--confirm"),
+        ];
+        if let Some((_, name)) = wishes.iter().find(|(wished, _)| *wished) {
+            return Err(format!(
+                "{name}: needs --error METRIC=VALUE or --within VALUE, which say what is good enough"
+            ));
+        }
     }
     let limit = |argument: &String| {
         let (name, value) = argument.split_once('=').unwrap_or((argument, ""));

@@ -89,6 +89,9 @@ pub struct TradeArguments {
     /// Write that setting into the scene's file
     #[arg(long)]
     apply: bool,
+    /// Run that setting and the reference again with this seed, and fail if its errors are larger then
+    #[arg(long, value_name = "SEED")]
+    confirm: Option<u64>,
     /// Folder for trade.csv, trade.png and the runs; trade/NAME if not given
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -184,6 +187,7 @@ pub fn trade_scene(arguments: TradeArguments) -> Result<Outcome, Failure> {
         errors: arguments.errors,
         within: arguments.within,
         apply: arguments.apply,
+        confirm: arguments.confirm,
         output: arguments.output,
         reference: arguments.reference,
         threads: arguments.threads.map_or(processors, usize::from),

@@ -91,6 +91,28 @@ impl Course {
         })
     }
 
+    /// The same for one setting, with another seed.
+    pub fn with_seed(&self, setting: &Setting, seed: u64) -> Self {
+        let seeded = |setting: &Setting| {
+            let mut setting = setting.clone();
+            if let Ok(scene) = &mut setting.scene {
+                scene.run.seed = seed;
+            }
+            setting
+        };
+        Self {
+            title: self.title.clone(),
+            sentence: self.sentence.clone(),
+            folder: self.folder.clone(),
+            keys: self.keys.clone(),
+            own: self.own.clone(),
+            reference: seeded(&self.reference),
+            aside: self.aside.clone(),
+            settings: vec![seeded(setting)],
+            planets: self.planets,
+        }
+    }
+
     /// Runs the reference and all settings; the reference comes first.
     pub fn run(&self, folder: &Path, request: &Request) -> Vec<Ended> {
         let all: Vec<&Setting> = std::iter::once(&self.reference)
