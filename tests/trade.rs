@@ -230,15 +230,16 @@ fn a_setting_is_confirmed_with_other_seeds_or_not() {
     let folder = Folder::with(RING);
     let knobs = ["--knob", "planetesimals.time_step=0.1,0.05"];
     assert!(folder.trade(&knobs).status.success());
-    let error = folder.numbers("error_energy")[0];
+    let error = folder.numbers("error_position")[0];
+    let error = error + 2.0 * folder.numbers("uncertainty_position")[0];
     let confirm = |bar: f64, seed: u64| {
-        let (bar, seed) = (format!("energy={bar:e}"), seed.to_string());
+        let (bar, seed) = (format!("position={bar:e}"), seed.to_string());
         folder.trade(&[&knobs[..], &["--error", &bar, "--confirm", &seed]].concat())
     };
     // Twenty orbits of the same kind are as wrong as twenty others, within a factor.
     let output = confirm(10.0 * error, 2);
     let (said, trouble) = words(&output);
-    assert!(said.contains("with seed 2: energy "), "{said} {trouble}");
+    assert!(said.contains("with seed 2: position "), "{said} {trouble}");
     assert!(output.status.success(), "{trouble}");
     // What the first seed just keeps to, some of the others do not.
     let ends = [2, 3, 4, 5, 6].map(|seed| confirm(error * (1.0 + 1e-9), seed));

@@ -80,7 +80,7 @@ pub struct TradeArguments {
     /// Override a key of the scene, with the file's own syntax
     #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
     set: Vec<String>,
-    /// Name the cheapest setting with at most this error; may be given for several metrics
+    /// Name the cheapest setting with at most this error, two standard errors included; may be given for several metrics
     #[arg(long = "error", value_name = "METRIC=VALUE", conflicts_with = "within")]
     errors: Vec<String>,
     /// Name the cheapest setting with at most this error in all metrics

@@ -4,7 +4,11 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::errors::{Errors, METRICS};
+use super::jackknife::Measured;
 use super::settings::Setting;
+
+/// By how many standard errors a setting is to keep within a limit: other seeds have other errors.
+const SIGMAS: f64 = 2.0;
 
 /// Errors below this are rounding: none is better than another.
 pub const ROUNDING: f64 = 1e-12;
@@ -103,13 +107,18 @@ impl Table {
         better.map(|(i, ..)| i).collect()
     }
 
-    /// The cheapest setting whose errors all stay within their limits.
+    /// The cheapest setting whose errors all stay within their limits, by two standard errors.
     pub fn cheapest(&self, limits: &[(&str, f64)]) -> Option<usize> {
         let within = |row: &Row| {
             row.outcome.as_ref().is_ok_and(|outcome| {
                 limits.iter().all(|(metric, limit)| {
                     let measured = outcome.errors.get(metric);
-                    measured.is_some_and(|measured| measured.error <= *limit)
+                    let most = |measured: &Measured| match measured.uncertainty {
+                        // Of a single sample, or none to speak of.
+                        sigma if sigma.is_nan() => measured.error,
+                        sigma => measured.error + SIGMAS * sigma,
+                    };
+                    measured.is_some_and(|measured| most(measured) <= *limit)
                 })
             })
         };
