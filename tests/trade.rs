@@ -208,6 +208,47 @@ fn the_cheapest_good_setting_goes_into_the_file_and_remarks_stay() {
     assert_eq!(folder.text("scene.toml"), wanted);
 }
 
+/// Errors that presets promise, twice those of a run: draft, standard, precise.
+const PROMISES: [(&str, &str, &str, [f64; 3]); 2] = [
+    (
+        "nbody/belt.toml",
+        "1 yr",
+        "error_energy",
+        [6e-10, 1.2e-10, 3e-11],
+    ),
+    (
+        "gas/disk.toml",
+        "0.2 yr",
+        "error_energy",
+        [1e-4, 2.2e-5, 3.5e-6],
+    ),
+];
+
+#[test]
+fn presets_keep_the_errors_that_they_promise() {
+    for (scene, time, metric, promised) in PROMISES {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(scene);
+        let folder = Folder::with(&fs::read_to_string(file).expect("a shipped scene"));
+        let output = folder.trade(&[
+            "--knob",
+            "accuracy.preset=draft,standard,precise",
+            "--reference",
+            "accuracy.preset=precise",
+            "--set",
+            &format!("run.end_time=\"{time}\""),
+        ]);
+        assert!(output.status.success(), "{}", words(&output).1);
+        let found = folder.numbers(metric);
+        println!("{scene} {metric}: {found:?}");
+        for (found, promised) in found.iter().zip(promised) {
+            assert!(
+                *found <= promised,
+                "{scene} {metric}: {found:e} of {promised:e}"
+            );
+        }
+    }
+}
+
 /// A ring of light bodies, whose places follow from the seed.
 const RING: &str = r#"
 [run]
