@@ -216,7 +216,7 @@ pub fn own(resolved: &Entries, key: &str) -> String {
 pub fn defaults(scene: &Scene, given: &Entries) -> Vec<Knob> {
     let mut knobs = Vec::new();
     let says = |key: &str| document::value(given, key).is_some();
-    if scene.gas.is_some() || scene.star.is_some() {
+    if scene.star.is_some() {
         knobs.push(Knob::of("accuracy.orbit_step", &["0.2", "0.1", "0.05"]));
     }
     if let Some(gas) = &scene.gas {
