@@ -2,6 +2,9 @@
 //!
 //! Ids are consecutive over all populations: the star has 0, then come planets, planetesimals, gas and dust.
 
+mod choice;
+mod doors;
+
 use coupling::accretion::{Accretion, Collisions};
 use coupling::cooling::CoolGas;
 use coupling::drag::{BodyDrag, DustDrag, DustInDisk, Ties};
@@ -22,13 +25,15 @@ use dust::motion::Parts;
 use nbody::gravity as solver;
 use nbody::integrators::hybrid::{Hybrid, cutoff::Cutoff};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
-use nbody::points::{Columns, Population};
+use nbody::points::Columns;
 
 use crate::memory;
 use crate::populate;
 use crate::run::REPORTS;
 use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep};
-use crate::validate;
+pub use choice::chosen;
+use choice::integrator;
+use doors::{countable, separate};
 
 /// A system and its operators.
 pub struct Assembly {
@@ -89,57 +94,6 @@ pub fn assembly(scene: &Scene, mut system: System) -> Result<Assembly, populate:
     })
 }
 
-/// Refuses who stands at the very place of the star, where its pull has no value.
-fn separate(system: &System) -> Result<(), populate::Refusal> {
-    let Some(centre) = system.star.x.first() else {
-        return Ok(());
-    };
-    let (gas, dust, bodies) = (
-        &system.gas.particles,
-        &system.dust.particles,
-        &system.bodies,
-    );
-    let sets = [
-        (Population::Gas, &gas.x, &gas.id),
-        (Population::Dust, &dust.x, &dust.id),
-        (Population::Planetesimals, &bodies.x, &bodies.id),
-    ];
-    for (population, x, id) in sets {
-        // Closer than any square of a distance says.
-        if let Some(i) = x.iter().position(|x| (x - centre).norm_squared() == 0.0) {
-            return Err(populate::Refusal(format!(
-                "{population} particle {} stands at the very place of the star, where its pull has no value: move it, or give star.accretion_radius",
-                id[i]
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// Refuses steps of which a run would need more than it can do.
-fn countable(scene: &Scene, system: &System) -> Result<(), populate::Refusal> {
-    let end = scene.run.end_time;
-    let many = |step: f64| step.is_nan() || end / step > validate::MOST_STEPS;
-    let most = validate::MOST_STEPS;
-    if many(system.bodies_step) {
-        let sentence = format!(
-            "bodies need steps of {:e} at their closest pericentre, {:e} of them to run.end_time, where a run does at most {most:e}: give star.accretion_radius, planetesimals.time_step or planetesimals.integrator = \"gauss-radau\"",
-            system.bodies_step,
-            end / system.bodies_step
-        );
-        return Err(populate::Refusal(sentence));
-    }
-    if many(system.longest) {
-        let sentence = format!(
-            "gas and dust orbit the star so closely that they need steps of {:e}, {:e} of them to run.end_time, where a run does at most {most:e}",
-            system.longest,
-            end / system.longest
-        );
-        return Err(populate::Refusal(sentence));
-    }
-    Ok(())
-}
-
 /// The Jacobi map that the scene names.
 fn jacobi(scene: &Scene, integrator: Integrator) -> Option<Scheme> {
     match scene.planetesimals.as_ref()?.coordinates {
@@ -188,107 +142,6 @@ fn typical_step(scene: &Scene, system: &System) -> f64 {
     let middle = radii.len() / 2;
     let (_, radius, _) = radii.select_nth_unstable_by(middle, f64::total_cmp);
     scene.accuracy.orbit_step * (radius.powi(3) / (system.g * mass)).sqrt()
-}
-
-/// The integrators that a run can choose, by their numbers in checkpoints.
-const CHOICES: [(u64, Integrator, &str); 4] = [
-    (1, Integrator::WisdomHolman, "wisdom-holman"),
-    (2, Integrator::Hybrid, "hybrid"),
-    (3, Integrator::GaussRadau, "gauss-radau"),
-    (4, Integrator::Leapfrog, "leapfrog"),
-];
-
-/// The integrator of an assembled system.
-pub fn chosen(scene: &Scene, system: &System) -> Integrator {
-    let wanted = scene
-        .planetesimals
-        .map_or(Integrator::Auto, |p| p.integrator);
-    let known = CHOICES.iter().find(|choice| choice.0 == system.chosen);
-    match (wanted, known) {
-        (Integrator::Auto, Some(&(_, choice, _))) => choice,
-        _ => wanted,
-    }
-}
-
-/// The integrator that the scene names, or the one that suits it at its start.
-fn integrator(scene: &Scene, system: &mut System, remarks: &mut Vec<String>) -> Integrator {
-    let wanted = scene
-        .planetesimals
-        .as_ref()
-        .map_or(Integrator::Auto, |p| p.integrator);
-    if wanted != Integrator::Auto {
-        return wanted;
-    }
-    let known = CHOICES.iter().find(|choice| choice.0 == system.chosen);
-    if let Some(&(_, choice, _)) = known {
-        return choice;
-    }
-    let (choice, reason) = suitable(scene, system);
-    let named = CHOICES.iter().find(|named| named.1 == choice);
-    let &(number, _, name) = named.expect("a number for each choice");
-    system.chosen = number;
-    if !system.bodies.is_empty() {
-        remarks.push(format!("integrator of bodies: {name}, since {reason}"));
-    }
-    choice
-}
-
-/// The integrator that suits the system, and why.
-fn suitable(scene: &Scene, system: &System) -> (Integrator, &'static str) {
-    let few = system.bodies.len() <= 16 && system.gas.is_empty() && system.dust.is_empty();
-    if !system.star.is_empty() {
-        if validate::all_bodies_pull(scene) && orbits_meet(system) {
-            (
-                Integrator::Hybrid,
-                "a star dominates and bodies with mass can meet",
-            )
-        } else {
-            (Integrator::WisdomHolman, "a star dominates")
-        }
-    } else if few {
-        (
-            Integrator::GaussRadau,
-            "there is no star and there are few bodies",
-        )
-    } else {
-        (Integrator::Leapfrog, "there is no star")
-    }
-}
-
-/// Whether the distances from the star of two bodies that pull come within three mutual Hill radii of each other, and softening leaves
-/// that to be felt.
-fn orbits_meet(system: &System) -> bool {
-    let (star, bodies) = (&system.star, &system.bodies);
-    let mu = system.g * star.m[0];
-    let mut ranges: Vec<[f64; 2]> = (0..bodies.len())
-        .filter(|&i| bodies.m[i] > 0.0 && mu > 0.0)
-        .map(|i| {
-            let (x, v) = (bodies.x[i] - star.x[0], bodies.v[i] - star.v[0]);
-            let p = x.cross(&v).norm_squared() / mu;
-            let beta = 2.0 * mu / x.norm() - v.norm_squared();
-            let e = (1.0 - p * beta / mu).max(0.0).sqrt();
-            let far = if e < 1.0 {
-                p / (1.0 - e)
-            } else {
-                f64::INFINITY
-            };
-            // Half of a mutual Hill radius of equals each.
-            let hill = p * (bodies.m[i] / (3.0 * star.m[0])).cbrt();
-            let reach = if bodies.softening[i] < hill {
-                1.5 * 2f64.cbrt() * hill
-            } else {
-                0.0
-            };
-            [p / (1.0 + e) - reach, far + reach]
-        })
-        .collect();
-    ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut furthest = f64::NEG_INFINITY;
-    ranges.iter().any(|&[near, far]| {
-        let meets = near <= furthest;
-        furthest = furthest.max(far);
-        meets
-    })
 }
 
 /// The step of star and bodies: a part of 1/Omega at the closest pericentre, or what the scene says.
