@@ -240,7 +240,7 @@ pub struct Ledger {
     pub initial_potential: f64,
     /// A line an operator.
     pub entries: Vec<Entry>,
-    /// Heat taken out by equations of state that prescribe the temperature.
+    /// Heat taken out by equations of state that prescribe the temperature, and what the background pressure's forces are short of.
     pub radiated: f64,
     /// Mass accreted by the star: gas, dust, planetesimals.
     pub accreted: [f64; 3],

@@ -19,6 +19,7 @@ use crate::{Gas, Hydro, Precision};
 mod out;
 mod pack;
 mod pair;
+mod state;
 mod sums;
 mod sweep;
 
@@ -26,6 +27,7 @@ use out::Out;
 pub use pack::Pace;
 use pack::Pack;
 use pair::{Flux, MORE, QUADS};
+use state::States;
 use sweep::Sweep;
 
 /// A tick that never comes.
@@ -45,6 +47,7 @@ impl Gas {
         if self.is_empty() {
             return 0;
         }
+        self.set_background(hydro, clock);
         let level = self.level.unwrap_or_else(Level::new);
         let mut packed = std::mem::take(E::packed(&mut self.packed));
         let (particles, derived, rates) = (&self.particles, &self.derived, &mut self.rates);
@@ -70,16 +73,20 @@ impl Gas {
             units,
         };
         let flux = Flux::new(hydro);
-        let pack = Pack {
+        let states = States {
             units,
-            clock,
             particles,
             derived,
+            hydro,
+            flux: &flux,
+            background: self.background.pressure,
+        };
+        let pack = Pack {
+            clock,
             v: &rates.v_pred,
             u: &rates.u_pred,
             next_span: &rates.next_span,
-            hydro,
-            flux: &flux,
+            states: &states,
         };
         if flux.plain {
             packed.fill::<QUADS>(&frame, near, |i, d, coarser| pack.source(i, d, coarser));
@@ -96,6 +103,7 @@ impl Gas {
             paces: &self.paces,
             level,
             flux,
+            states: &states,
             out: Out::new(
                 rates,
                 (&mut self.wake, hydro.limiter),

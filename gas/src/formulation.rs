@@ -83,11 +83,6 @@ impl Formulation {
         matches!(self, Self::Density | Self::Smoothed)
     }
 
-    /// Whether particles weigh by their pressure or energy.
-    pub(crate) fn weighs_energy(self) -> bool {
-        matches!(self, Self::Pressure | Self::Smoothed)
-    }
-
     /// Whether something is summed beside the mass.
     #[inline(always)]
     pub(crate) fn sums_more(self) -> bool {

@@ -3,7 +3,10 @@
 use nbody::points::Domain;
 
 use crate::kernel::unit_sphere;
-use crate::{Conduction, Eos, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
+use crate::{
+    BackgroundPressure, Conduction, Eos, Formulation, Gradient, KernelKind, Physical, Precision,
+    Viscosity,
+};
 
 /// The limiter of gas whose steps heed no neighbour: to show what that costs.
 pub const UNLIMITED: u32 = u32::MAX;
@@ -34,8 +37,7 @@ pub struct Hydro {
     pub physical: Physical,
     /// Without effect on gas that is bound to a temperature.
     pub conduction: Conduction,
-    /// A uniform pressure that forces leave out, since its gradient is none: sums of it over particles out of order are not.
-    pub background_pressure: f64,
+    pub background_pressure: BackgroundPressure,
     /// C in dt <= 2 C h / v_sig; v_sig is about twice the sound speed.
     pub courant: f64,
     /// C in dt <= C sqrt(h / |acceleration|).
@@ -67,7 +69,7 @@ impl Hydro {
             },
             physical: Physical::None,
             conduction: Conduction::NONE,
-            background_pressure: 0.0,
+            background_pressure: BackgroundPressure::NONE,
             courant: 0.25,
             force_factor: 0.25,
             limiter: 4,
@@ -118,12 +120,13 @@ impl Hydro {
 
     /// The setting that others of these rule out, and why.
     pub fn clashing(&self) -> Option<(&'static str, &'static str)> {
-        if self.background_pressure > 0.0
-            && (self.formulation.weighs_energy() || self.eos.is_free())
+        if self.background_pressure.is_some()
+            && self.gradient == Gradient::Matrix
+            && self.eos.is_free()
         {
             return Some((
                 "hydro.background_pressure",
-                "is left out of the forces of gas that is bound to a temperature, where formulation = \"density\" or \"number-density\"",
+                "is left out of the forces of gas of free energy where gradient = \"standard\"",
             ));
         }
         match self.formulation {
@@ -172,7 +175,10 @@ impl Hydro {
     pub(crate) fn plain(&self) -> bool {
         let zeta = self.formulation == Formulation::Pressure && self.exponent != 1.0;
         let smoothed = self.formulation == Formulation::Smoothed && self.conducts();
-        !(self.stressed() || zeta || smoothed)
+        let shifted = self.formulation == Formulation::Pressure
+            && self.background_pressure.is_some()
+            && self.conducts();
+        !(self.stressed() || zeta || smoothed || shifted)
     }
 
     /// Kernel support by smoothing length, H / h.

@@ -1,6 +1,7 @@
 //! Gas: self-gravitating smoothed particle hydrodynamics.
 
 pub mod alone;
+pub mod background;
 pub mod conduction;
 pub mod cooling;
 pub mod density;
@@ -27,6 +28,7 @@ mod vicinity;
 pub mod viscosity;
 mod workspace;
 
+pub use background::BackgroundPressure;
 pub use conduction::Conduction;
 pub use cooling::Cooling;
 pub use eos::{Barotropic, Eos, Stiffened, Table, Tillotson};

@@ -12,6 +12,7 @@ use nbody::points::sum::CHUNK;
 use nbody::points::{Clock, Columns, Dimension, Domain, Label, Scratch, Tree, Vec3};
 use rayon::prelude::*;
 
+use crate::background::Background;
 use crate::forces::Pace;
 use crate::leaves::{Leaf, UNSEEN};
 use crate::timestep::Heat;
@@ -159,6 +160,8 @@ pub struct Gas {
     pub(crate) cube: Option<Cube>,
     /// What predictions are while gas leans.
     pub(crate) upright: (Vec<Vec3>, Vec<f64>),
+    /// What forces leave out of pressures.
+    pub background: Background,
     scratch: Scratch,
 }
 

@@ -9,7 +9,9 @@ use std::sync::Arc;
 mod growth;
 
 pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
-pub use gas::{Formulation, Gradient, KernelKind, Physical, Precision, Viscosity};
+pub use gas::{
+    BackgroundPressure, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity,
+};
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
 
@@ -279,7 +281,7 @@ pub struct Hydro {
     pub tolerance: f64,
     pub precision: Precision,
     /// Pressure that forces leave out.
-    pub background_pressure: f64,
+    pub background_pressure: BackgroundPressure,
 }
 
 #[derive(Clone, Debug, PartialEq)]

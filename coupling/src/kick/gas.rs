@@ -107,6 +107,7 @@ impl Operator for KickGas {
             &self.pacing.of(system),
         )?;
         let targets = system.gas.forces(&self.hydro, &system.clock, &system.next);
+        system.ledger.radiated += system.gas.take_background_work();
         system.gas.stand_upright();
         meter.count(targets, 0);
         Ok(())

@@ -210,10 +210,14 @@ impl<'a> Out<'a> {
         p * (self.density * self.velocity * self.velocity)
     }
 
-    /// The place of particle i: its velocity gradient in code units, along the axes of the domain.
-    fn place(&self, local: &Local, (flow, rho): (Flow, f64)) -> Place {
+    /// The place of particle i: its velocity gradient in code units, along the axes of the domain. It has the correction that forces have:
+    /// three neighbours in a row would give it any size.
+    fn place(&self, local: &Local, (flow, rho, reach): (Flow, f64, f64)) -> Place {
         let mut gradient = match local.flow.linear {
-            Some([v, _]) => v * (self.velocity / self.length),
+            Some([vd, _]) => {
+                let rate = self.velocity / self.length / self.scale(local, reach);
+                vd * self.correction(local, reach) * rate
+            }
             None => Matrix3::zeros(),
         };
         for a in (0..3).filter(|&a| !self.hydro.domain.axes[a]) {
@@ -230,19 +234,21 @@ impl<'a> Out<'a> {
 
     /// The correction of gradients.
     fn correction(&self, local: &Local, reach: f64) -> Matrix3<f64> {
+        match &local.flow.linear {
+            Some([_, inverse]) => gradients::correction(inverse, self.scale(local, reach)),
+            None => Matrix3::identity(),
+        }
+    }
+
+    /// -y H^(d+2) / norm
+    fn scale(&self, local: &Local, reach: f64) -> f64 {
         let (hydro, d) = (self.hydro, self.hydro.dimensions());
         let y = if hydro.stress_by_mass() {
             local.rho
         } else {
             local.y
         };
-        match &local.flow.linear {
-            Some([_, inverse]) => {
-                let scale = -y * reach.powi(d as i32 + 2) / hydro.kernel.norm(d);
-                gradients::correction(inverse, scale)
-            }
-            None => Matrix3::identity(),
-        }
+        -y * reach.powi(d as i32 + 2) / hydro.kernel.norm(d)
     }
 
     /// Writes what particle i brings into pairs as a stress; returns its alpha, and adds to `v_sig` what shortens its steps.
@@ -255,7 +261,7 @@ impl<'a> Out<'a> {
     ) -> f64 {
         let hydro = self.hydro;
         let mut alpha = self.alpha(i, local, flow, reach);
-        let place = self.place(local, (flow, rho));
+        let place = self.place(local, (flow, rho, reach));
         let mut stress = Matrix3::zeros();
         if hydro.viscosity.heeds_strain() {
             let dt = f64::from(self.tick - self.seen.begin[i]) * self.unit;

@@ -29,7 +29,7 @@ pub struct Flow {
     pub order: f64,
     /// sum m_j s_j v_ij . d
     pub m_div: f64,
-    /// V and (sum m_j s_j d d^T)^-1, zero along missing axes; none where the neighbours span no volume.
+    /// sum m_j s_j v_ij d^T and (sum m_j s_j d d^T)^-1, whose product is V; none where the neighbours span no volume.
     pub linear: Option<[Matrix3<f64>; 2]>,
 }
 
@@ -95,7 +95,7 @@ impl<S: Simd, E: Real> Shear<S, E> {
             trace: Some(trace),
             shear2,
             curl: Vec3::new(v.m32 - v.m23, v.m13 - v.m31, v.m21 - v.m12).norm(),
-            linear: if whole { Some([v, inverse]) } else { None },
+            linear: if whole { Some([vd, inverse]) } else { None },
             ..flow
         }
     }

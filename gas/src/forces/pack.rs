@@ -6,10 +6,10 @@ use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
 use super::NEVER;
-use super::pair::{Flux, MORE, QUADS};
+use super::pair::{MORE, QUADS};
+use super::state::States;
+use crate::Gradient;
 use crate::lanes::{Quad, Real};
-use crate::units::Units;
-use crate::{Derived, Gradient, Hydro, Particles};
 
 /// Where particles stand on the clock: ticks since the present step began, its planned span, and the next one's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,22 +36,18 @@ impl Pace {
 
 /// The columns from which particles are packed.
 pub struct Pack<'a> {
-    pub units: Units,
     pub clock: &'a Clock,
-    pub particles: &'a Particles,
-    pub derived: &'a Derived,
     pub v: &'a [Vec3],
     pub u: &'a [f64],
     pub next_span: &'a [u32],
-    pub hydro: &'a Hydro,
-    pub flux: &'a Flux,
+    pub states: &'a States<'a>,
 }
 
 impl Pack<'_> {
     fn pace(&self, i: usize) -> Pace {
         Pace {
-            age: self.clock.tick - self.particles.begin[i],
-            span: self.particles.span[i],
+            age: self.clock.tick - self.states.particles.begin[i],
+            span: self.states.particles.span[i],
             next_span: self.next_span[i],
         }
     }
@@ -70,51 +66,31 @@ impl Pack<'_> {
         });
     }
 
-    /// Density and specific pressure of particle i in units of the sweep.
-    #[inline(always)]
-    fn state(&self, i: usize) -> (f64, f64) {
-        let (derived, units) = (self.derived, &self.units);
-        let power = self.hydro.dimensions() as i32;
-        let rho = derived.rho[i] * (units.length.powi(power) / units.mass);
-        let p = derived.p[i] - self.hydro.background_pressure;
-        let specific = p / (derived.rho[i] * units.velocity * units.velocity);
-        (rho, self.hydro.floored(specific))
-    }
-
-    /// What particle i of mass `m` brings into the sums of its neighbours.
-    #[inline(always)]
-    fn content(&self, i: usize, m: f64, rho: f64) -> f64 {
-        let units = &self.units;
-        let cs = self.derived.cs[i] / units.velocity;
-        let specific = self.hydro.floored(self.flux.square_pressure * cs * cs);
-        let formulation = self.hydro.formulation;
-        formulation.content(m, specific, rho, self.hydro.exponent)
-    }
-
     /// Reach and row of particle i, which stands at `d` from the middle of its leaf, where steps are doubled `coarser` times.
     #[inline(always)]
     pub fn source<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; QUADS]) {
-        let (p, derived, units) = (self.particles, self.derived, &self.units);
-        let (real, power) = (E::from_f64, self.hydro.dimensions() as i32);
+        let states = self.states;
+        let (p, derived, units) = (states.particles, states.derived, &states.units);
+        let real = E::from_f64;
         let (m, cs) = (p.m[i] / units.mass, derived.cs[i] / units.velocity);
-        let reach = self.hydro.support() * p.h[i] / units.length;
-        let (rho, specific) = self.state(i);
-        let formulation = self.hydro.formulation;
-        let push = match self.hydro.gradient {
-            Gradient::Standard => formulation.push(m, specific, rho, self.hydro.exponent),
+        let reach = self.states.hydro.support() * p.h[i] / units.length;
+        let (rho, specific) = self.states.state(i);
+        let push = match self.states.hydro.gradient {
+            Gradient::Standard => {
+                (1.0 - self.states.part(i)) * self.states.pushing(reach, (m, specific, rho))
+            }
             // The stress has it.
             Gradient::Matrix => 0.0,
         };
-        let push = self.flux.norm / reach.powi(power + 2) * push;
-        let content = self.content(i, m, rho);
-        let alpha = if self.hydro.viscosity.is_stress() {
+        let content = self.states.content(i, m, rho);
+        let alpha = if self.states.hydro.viscosity.is_stress() {
             0.0
         } else {
             p.alpha[i]
         };
         let x = (d * 0.5f64.powi(coarser)).component_div(&units.step);
         let x = x.map(E::place);
-        let v = self.hydro.domain.relative(p.x[i], self.v[i]);
+        let v = self.states.hydro.domain.relative(p.x[i], self.v[i]);
         let v = v.map(|v| E::place(v / units.velocity_step));
         let active = self.clock.synchronous() || p.end[i] == self.clock.tick;
         let ticks = |n: u32| real(f64::from(n));
@@ -137,13 +113,14 @@ impl Pack<'_> {
     /// The same where particles bring more.
     pub fn more<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; MORE]) {
         let (reach, [q0, q1, q2, q3]) = self.source::<E>(i, d, coarser);
-        let (derived, units, hydro) = (self.derived, &self.units, self.hydro);
+        let states = self.states;
+        let (derived, units, hydro) = (states.derived, &states.units, states.hydro);
         let (m, speed2) = (
-            self.particles.m[i] / units.mass,
+            self.states.particles.m[i] / units.mass,
             units.velocity * units.velocity,
         );
-        let (rho, specific) = self.state(i);
-        let content = self.content(i, m, rho);
+        let (rho, specific) = self.states.state(i);
+        let content = self.states.content(i, m, rho);
         let mut stress = Matrix3::zeros();
         if hydro.stressed() {
             let power = hydro.dimensions() as i32;
@@ -154,7 +131,7 @@ impl Pack<'_> {
                 q = matrix(&derived.stress, &derived.stress_off) * unit;
             }
             if hydro.gradient == Gradient::Matrix {
-                q += Matrix3::identity() * (specific * rho);
+                q += Matrix3::identity() * ((1.0 - self.states.part(i)) * specific * rho);
             }
             let (x, y) = if hydro.stress_by_mass() {
                 (m, rho)
@@ -163,7 +140,7 @@ impl Pack<'_> {
                 (content, formulation.sum(m, specific, rho, hydro.exponent))
             };
             let correction = matrix(&derived.correction, &derived.correction_off);
-            let scale = self.flux.norm / reach.abs().powi(power + 2) * x / (y * y);
+            let scale = self.states.flux.norm / reach.abs().powi(power + 2) * x / (y * y);
             stress = q * correction * scale;
         }
         let u = self.u[i] / speed2;

@@ -31,6 +31,8 @@ pub struct Member<S: Simd, E: Real> {
     pub slope: Lanes<S, E>,
     /// content P / y^2 times the factor of the kernel's slope, norm / H^(d+2).
     pub push: Lanes<S, E>,
+    /// The same with what forces leave out of P and heat does not.
+    pub work: Lanes<S, E>,
     /// Zero where nothing is conducted.
     pub p: Lanes<S, E>,
     pub rho: Lanes<S, E>,
@@ -76,6 +78,7 @@ impl<S: Simd, E: Real> Member<S, E> {
             inverse,
             slope,
             push: content * push,
+            work: content * push,
             p,
             rho,
             cs,
@@ -213,8 +216,8 @@ impl Flux {
         let r = r2 * R::inverse_root(simd, r2);
         let slope_a = self.kernel.slope((r * a.inverse).min(one));
         let slope_b = self.kernel.slope((r * b.inverse).min(one));
-        let pressure_a = a.push * (b.content - a.g) * slope_a;
-        let pressure_b = b.push * (a.content - b.g) * slope_b;
+        let [span_a, span_b] = [(b.content - a.g) * slope_a, (a.content - b.g) * slope_b];
+        let [pressure_a, pressure_b] = [a.push * span_a, b.push * span_b];
         let h = (a.reach + b.reach) * constant(0.5 * self.h_by_reach);
         let rho = (a.rho + b.rho) * half;
         let spread = (h * h).mul_add(constant(0.01), pair.r2);
@@ -229,7 +232,7 @@ impl Flux {
         let grip = (a.m * b.m) * slope;
         let viscous = grip * (strength * volume);
         let pull = (pressure_a + pressure_b) + viscous;
-        let mut heat = viscous.mul_add(half, pressure_a) * pair.approach;
+        let mut heat = viscous.mul_add(half, a.work * span_a) * pair.approach;
         if self.conducts {
             let contrast = Contrast {
                 u: if self.plain {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::out::Out;
 use super::pack::{Pace, nobody};
 use super::pair::{Flux, MORE, Member, QUADS, Separation};
+use super::state::States;
 use super::sums::{Even, Mixed, Sums};
 use crate::lanes::{Job, Lanes, Machine, Quad, same};
 use crate::neighbours::{Around, FEW, Frame, Packed, Region, Search};
@@ -37,6 +38,7 @@ pub struct Sweep<'a, E> {
     /// The pace of each leaf, by node.
     pub paces: &'a [Pace],
     pub flux: Flux,
+    pub states: &'a States<'a>,
     pub level: Level,
     pub out: Out<'a>,
 }
@@ -239,7 +241,8 @@ impl<E: Element> Sweep<'_, E> {
             row = self.packed.row::<MORE>(i);
         }
         row[0] = E::moved(row[0], [0.0; 3], grid.from, grid.to);
-        let own = Member::<S, E>::alone::<R>(simd, &row, &flux);
+        let mut own = Member::<S, E>::alone::<R>(simd, &row, &flux);
+        own.work += same::<S, E>(simd, self.states.left_out(i));
         let reach = row[2].0[0].to_f64();
         let place = self.packed.place(i);
         region.meet(simd, place, reach * reach, !self.active(i));

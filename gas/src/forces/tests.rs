@@ -5,7 +5,8 @@ use nbody::points::{Columns, Domain, Vec3};
 use super::*;
 use crate::samples::{GAMMA, hydro, lattice, noisy, still};
 use crate::{
-    Conduction, Formulation, Gradient, Kernel, KernelKind, Physical, Viscosity, WendlandC2,
+    BackgroundPressure, Conduction, Formulation, Gradient, Kernel, KernelKind, Physical, Viscosity,
+    WendlandC2,
 };
 
 const NOW: Clock = Clock::standing(0.0);
@@ -415,7 +416,7 @@ fn check_half(hydro: &Hydro) {
 }
 
 /// Largest acceleration in a sheared lattice of gas at the pressure 1, of which forces leave out `background`.
-fn elastic(background_pressure: f64) -> f64 {
+fn elastic(background: f64) -> f64 {
     let domain = Domain::periodic(Vec3::repeat(1.0)).with_axes([true, true, false]);
     let n = 24;
     let spacing = 1.0 / n as f64;
@@ -424,7 +425,7 @@ fn elastic(background_pressure: f64) -> f64 {
         x.y += 0.2 * spacing * (std::f64::consts::TAU * x.x).sin();
     }
     let hydro = Hydro {
-        background_pressure,
+        background_pressure: BackgroundPressure::Fixed(background),
         viscosity: Viscosity::None,
         ..Hydro::new(
             domain,
@@ -444,4 +445,57 @@ fn a_sheared_lattice_is_elastic_unless_forces_leave_out_its_pressure() {
     let (whole, rest) = (elastic(0.0), elastic(1.0));
     println!("{whole:e} {rest:e}");
     assert!(whole > 0.0 && rest < 0.02 * whole, "{rest:e} of {whole:e}");
+}
+
+#[test]
+fn what_forces_leave_out_heats_free_gas_all_the_same() {
+    let domain = Domain::periodic(Vec3::repeat(1.0)).with_axes([true, true, false]);
+    for formulation in Formulation::ALL {
+        let hydro = |background_pressure| Hydro {
+            background_pressure,
+            formulation,
+            tolerance: 1e-10,
+            viscosity: Viscosity::None,
+            ..Hydro::new(domain, crate::Eos::Ideal { gamma: GAMMA })
+        };
+        let whole = pushed(noisy(&domain, 16, 0.5), &hydro(BackgroundPressure::NONE));
+        let part = pushed(noisy(&domain, 16, 0.5), &hydro(BackgroundPressure::Least));
+        let (p, background) = (&whole.derived.p, part.background.pressure);
+        let least = p.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!((background / least - 0.95).abs() < 1e-12);
+        let work = |gas: &Gas| -> f64 {
+            let p = &gas.particles;
+            let power = |i: usize| p.m[i] * (gas.rates.du[i] + p.v[i].dot(&gas.rates.hydro[i]));
+            (0..gas.len()).map(power).sum()
+        };
+        let size: f64 = (whole.particles.m.iter().zip(&whole.rates.du))
+            .map(|(m, du)| (m * du).abs())
+            .sum();
+        for (a, b) in whole.rates.du.iter().zip(&part.rates.du) {
+            assert!((a - b).abs() <= 1e-12 * a.abs().max(1.0), "{a} {b}");
+        }
+        assert!(work(&whole).abs() < 1e-13 * size);
+        // P_0 d(sum x / y)/dt at constant x, from two sums a moment apart.
+        let moved = |dt: f64| {
+            let mut gas = noisy(&domain, 16, 0.5);
+            for i in 0..gas.len() {
+                let v = gas.particles.v[i];
+                gas.particles.x[i] += dt * v;
+            }
+            let gas = pushed(gas, &hydro(BackgroundPressure::NONE));
+            let weighs = formulation == Formulation::Pressure;
+            let volume = |i: usize| {
+                let rho = gas.derived.rho[i];
+                let own = 2.0 / 3.0 * rho * gas.particles.u[i];
+                let share = if weighs { own / gas.derived.p[i] } else { 1.0 };
+                gas.particles.m[i] / rho * share
+            };
+            (0..gas.len()).map(volume).sum::<f64>()
+        };
+        let dt = 1e-6;
+        let rate = (moved(dt) - moved(-dt)) / (2.0 * dt);
+        let lost = -work(&part) / background;
+        println!("{formulation:?} {lost:e} {rate:e}");
+        assert!((lost - rate).abs() < 1e-7 * rate.abs(), "{lost} {rate}");
+    }
 }

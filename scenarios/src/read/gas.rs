@@ -2,7 +2,7 @@
 
 use nbody::points::Vec3;
 
-use gas::KernelKind;
+use gas::{BackgroundPressure, KernelKind};
 
 use super::Facts;
 use super::cooling::cooling;
@@ -320,7 +320,7 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
     let neighbours = section.number("neighbours", NEIGHBOURS);
     let courant = section.number("courant", Range::FRACTION);
     let tolerance = section.number("tolerance", TOLERANCE);
-    let background = section.quantity("background_pressure", facts.pressure(), Range::NOT_NEGATIVE);
+    let background = background(&section, facts);
     let precisions = [("single", Precision::Single), ("double", Precision::Double)];
     let precision = section.choice("precision", &precisions, &[]);
     section.close();
@@ -334,8 +334,20 @@ fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {
         courant: courant.unwrap_or(facts.preset.values().courant),
         tolerance: tolerance.unwrap_or(facts.preset.values().tolerance),
         precision: precision.unwrap_or(Precision::Double),
-        background_pressure: background.unwrap_or(0.0),
+        background_pressure: background,
     }
+}
+
+/// `background_pressure`: a pressure, or "least".
+fn background(section: &Section<'_>, facts: &Facts) -> BackgroundPressure {
+    const KEY: &str = "background_pressure";
+    if section.is_text(KEY, "least") {
+        section.text(KEY);
+        return BackgroundPressure::Least;
+    }
+    section
+        .quantity(KEY, facts.pressure(), Range::NOT_NEGATIVE)
+        .map_or(BackgroundPressure::NONE, BackgroundPressure::Fixed)
 }
 
 /// Formulations by name.

@@ -7,6 +7,7 @@ use coupling::system::Stray;
 use coupling::torques::Braked;
 use coupling::{Pace, System};
 use dust::{Dust, Superparticles};
+use gas::background::Background;
 use gas::{Gas, Particles};
 use nbody::points::{Clock, Vec3};
 
@@ -79,6 +80,15 @@ pub fn write(
     );
     draft.fact("next id", Fact::Integer(system.next_id));
     draft.fact("chosen", Fact::Integer(system.chosen));
+    let background = system.gas.background;
+    draft.fact(
+        "background",
+        Fact::Reals(vec![
+            background.pressure,
+            background.volume,
+            background.work,
+        ]),
+    );
     draft.fact("integrator", Fact::Reals(system.memory.clone()));
     let ledger = &system.ledger;
     draft.fact("ledger initial", Fact::Reals(census_reals(&ledger.initial)));
@@ -181,6 +191,12 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     };
     system.next_id = file.integer("next id")?;
     system.chosen = file.integer("chosen")?;
+    let background = file.reals("background")?;
+    system.gas.background = Background {
+        pressure: background[0],
+        volume: background[1],
+        work: background[2],
+    };
     system.memory = file.reals("integrator")?;
     read_ledger(&file, &mut system)?;
     let (cpu, counts) = (file.reals("cpu_s")?, file.integers("counts")?);

@@ -1,5 +1,7 @@
 //! Gas and dust of a scene as text.
 
+use gas::BackgroundPressure;
+
 use super::growth::write_growth;
 use super::text::Text;
 use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
@@ -165,8 +167,10 @@ fn write_hydro(text: &mut Text, hydro: &Hydro) {
     text.number("neighbours", hydro.neighbours);
     text.number("courant", hydro.courant);
     text.number("tolerance", hydro.tolerance);
-    if hydro.background_pressure > 0.0 {
-        text.number("background_pressure", hydro.background_pressure);
+    match hydro.background_pressure {
+        BackgroundPressure::NONE => {}
+        BackgroundPressure::Fixed(p) => text.number("background_pressure", p),
+        BackgroundPressure::Least => text.text("background_pressure", "least"),
     }
     text.text(
         "precision",
