@@ -139,6 +139,8 @@ mod tests {
             stopping_time = 0.1
             [gas.viscosity]
             kind = "none"
+            [gas.hydro]
+            background_pressure = "least"
             "#,
         );
     }
