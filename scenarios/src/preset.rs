@@ -58,6 +58,26 @@ const VALUES: [Values; 4] = [
     },
 ];
 
+/// Errors that presets promise of scenes in the form of `tridisk trade --presets`: metrics, and the presets' bars in the order of [`PRESETS`].
+const PROMISES: [(&[&str], [f64; 4]); 3] = [
+    (
+        &["energy", "angular_momentum", "momentum", "mass"],
+        [1.25e-4, 2.5e-5, 5e-6, 2e-6],
+    ),
+    (
+        &["position", "eccentricity", "inclination"],
+        [1.25e-4, 2.5e-5, 5e-6, 1e-6],
+    ),
+    // Particles near the edges of rings make this much.
+    (&["gas_profile", "dust_profile", "dust_height"], [4e-2; 4]),
+];
+
+/// What a preset promises of a metric of `tridisk trade`; nothing of a torque, whose uncertainty no run knows.
+pub fn promised(metric: &str, preset: Preset) -> Option<f64> {
+    let found = PROMISES.iter().find(|(names, _)| names.contains(&metric));
+    found.map(|(_, bars)| bars[preset as usize])
+}
+
 /// Neighbours in the plane and in space.
 const fn neighbours(kernel: KernelKind) -> [[f64; 4]; 2] {
     match kernel {

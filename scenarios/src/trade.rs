@@ -5,6 +5,7 @@ pub mod errors;
 mod jackknife;
 mod knobs;
 mod picture;
+pub mod presets;
 mod results;
 mod runs;
 mod settings;

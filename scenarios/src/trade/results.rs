@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::errors::{Errors, METRICS};
-use super::jackknife::Measured;
 use super::settings::Setting;
 
 /// By how many standard errors a setting is to keep within a limit: other seeds have other errors.
@@ -23,6 +22,13 @@ pub struct Outcome {
     pub targets: u64,
     pub interactions: u64,
     pub errors: Errors,
+}
+
+impl Outcome {
+    /// A cost that is the same on all machines, in updates of a gas particle, which take what some thousand interactions of the tree do.
+    pub fn work(&self) -> f64 {
+        self.targets as f64 + 1e-3 * self.interactions as f64
+    }
 }
 
 /// A line of the table.
@@ -109,20 +115,25 @@ impl Table {
 
     /// The cheapest setting whose errors all stay within their limits, by two standard errors.
     pub fn cheapest(&self, limits: &[(&str, f64)]) -> Option<usize> {
-        let within = |row: &Row| {
-            row.outcome.as_ref().is_ok_and(|outcome| {
-                limits.iter().all(|(metric, limit)| {
-                    let measured = outcome.errors.get(metric);
-                    let most = |measured: &Measured| match measured.uncertainty {
-                        // Of a single sample, or none to speak of.
-                        sigma if sigma.is_nan() => measured.error,
-                        sigma => measured.error + SIGMAS * sigma,
-                    };
-                    measured.is_some_and(|measured| most(measured) <= *limit)
-                })
-            })
+        let within = |i: usize| {
+            let keeps = |(metric, limit): &(&str, f64)| {
+                let most = self.most(i, metric);
+                most.is_some_and(|error| error <= *limit)
+            };
+            self.rows[i].outcome.is_ok() && limits.iter().all(keeps)
         };
-        self.by_cost().into_iter().find(|&i| within(&self.rows[i]))
+        self.by_cost().into_iter().find(|&i| within(i))
+    }
+
+    /// An error of a setting with the standard errors that recommendations count; none if its run has none.
+    pub fn most(&self, i: usize, metric: &str) -> Option<f64> {
+        let outcome = self.rows[i].outcome.as_ref().ok()?;
+        let measured = outcome.errors.get(metric)?;
+        Some(match measured.uncertainty {
+            // Of a single sample, or none to speak of.
+            sigma if sigma.is_nan() => measured.error,
+            sigma => measured.error + SIGMAS * sigma,
+        })
     }
 
     /// For programs.
