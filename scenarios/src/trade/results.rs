@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::errors::{Errors, METRICS};
+use super::jackknife::Measured;
 use super::settings::Setting;
 
 /// By how many standard errors a setting is to keep within a limit: other seeds have other errors.
@@ -113,12 +114,14 @@ impl Table {
         better.map(|(i, ..)| i).collect()
     }
 
-    /// The cheapest setting whose errors all stay within their limits, by two standard errors.
+    /// The cheapest setting whose errors all stay within their limits, by two standard errors and with other seeds.
     pub fn cheapest(&self, limits: &[(&str, f64)]) -> Option<usize> {
         let within = |i: usize| {
             let keeps = |(metric, limit): &(&str, f64)| {
                 let most = self.most(i, metric);
+                let elsewhere = || self.measured(i, metric).map(|m| m.spread * m.error);
                 most.is_some_and(|error| error <= *limit)
+                    && elsewhere().is_some_and(|error| error <= *limit)
             };
             self.rows[i].outcome.is_ok() && limits.iter().all(keeps)
         };
@@ -127,13 +130,26 @@ impl Table {
 
     /// An error of a setting with the standard errors that recommendations count; none if its run has none.
     pub fn most(&self, i: usize, metric: &str) -> Option<f64> {
-        let outcome = self.rows[i].outcome.as_ref().ok()?;
-        let measured = outcome.errors.get(metric)?;
+        let measured = self.measured(i, metric)?;
         Some(match measured.uncertainty {
             // Of a single sample, or none to speak of.
             sigma if sigma.is_nan() => measured.error,
             sigma => measured.error + SIGMAS * sigma,
         })
+    }
+
+    fn measured(&self, i: usize, metric: &str) -> Option<&Measured> {
+        self.rows[i].outcome.as_ref().ok()?.errors.get(metric)
+    }
+
+    /// Metrics that may be larger with other seeds by more than their uncertainties, and by how many times at most.
+    pub fn spreads(&self) -> Vec<(&'static str, f64)> {
+        let most = |metric: &&'static str| {
+            let all = (0..self.rows.len()).filter_map(|i| self.measured(i, metric));
+            (*metric, all.map(|m| m.spread).fold(1.0, f64::max))
+        };
+        let all = self.metrics();
+        all.iter().map(most).filter(|(_, s)| *s > 1.0).collect()
     }
 
     /// For programs.
@@ -322,12 +338,12 @@ fn line(cells: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trade::jackknife::Measured;
 
     fn row(cpu_s: f64, energy: f64) -> Row {
         let measured = Measured {
             error: energy,
             uncertainty: f64::NAN,
+            spread: 1.0,
         };
         Row {
             setting: Setting {
