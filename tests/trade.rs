@@ -231,7 +231,7 @@ fn the_cheapest_good_setting_goes_into_the_file_and_remarks_stay() {
     assert_eq!(folder.text("scene.toml"), wanted);
 }
 
-/// Twice the errors of the energy that presets have in the first two scenes that they are derived from: draft, standard, precise.
+/// At most twice the errors of the energy that presets have in the first two scenes that they are derived from: draft, standard, precise.
 const ENERGIES: [[f64; 3]; 2] = [[6e-10, 1.2e-10, 3e-11], [1e-4, 2.2e-5, 3.5e-6]];
 
 #[test]
