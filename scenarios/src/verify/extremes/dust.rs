@@ -229,7 +229,7 @@ fn turbulence(cases: &mut Vec<Case>) {
             ));
             let what = format!("turbulence of alpha {alpha}, Stokes number {stokes:e}");
             let case = Case::new(what, scene(1.0, &text)).left(100);
-            // A walk of sqrt(2 alpha c H t) = 0.05 to 0.1, the farthest of 100: 0.23, measured; without it as above.
+            // A walk of sqrt(2 alpha c H t) = 0.07, the farthest of 100: 0.23, measured; without it as above.
             let walks = alpha == "1" && stokes <= 1.0;
             let bar = if walks { 0.46 } else { 3.2e-2 };
             cases.push(case.figure("change of radius", bar, drifted));
