@@ -5,10 +5,12 @@ pub mod errors;
 mod jackknife;
 mod knobs;
 mod picture;
+pub mod presets;
 mod results;
 mod runs;
 mod settings;
 mod shorten;
+mod tail;
 
 use std::path::{Path, PathBuf};
 
@@ -76,6 +78,11 @@ pub fn trade(request: &Request) -> Result<End, RunError> {
         println!(
             "as good as the scene as it is, {:.0} % cheaper: {words}",
             100.0 * saved
+        );
+    }
+    for (metric, spread) in table.spreads() {
+        println!(
+            "{metric}: a few bodies make most of it; with another seed it may be {spread:.0} times as large, which --error allows for"
         );
     }
     publish_bytes(&folder.join("trade.csv"), table.csv().as_bytes())?;

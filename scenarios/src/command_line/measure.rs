@@ -69,11 +69,16 @@ gas_profile, dust_profile, dust_height (sums over rings by the whole).
 Examples:
   tridisk trade disk.toml --budget \"5 min\"
   tridisk trade belt.toml --knob planetesimals.integrator=leapfrog,hybrid --knob accuracy.orbit_step=0.2,0.1,0.05
-  tridisk trade belt.toml --knob accuracy.preset=draft,standard,precise --error energy=1e-7 --apply";
+  tridisk trade belt.toml --knob accuracy.preset=draft,standard,precise --error energy=1e-7 --apply
+  tridisk trade --presets scenarios";
 
 #[derive(Args)]
 pub struct TradeArguments {
-    scene: PathBuf,
+    #[arg(required_unless_present = "presets")]
+    scene: Option<PathBuf>,
+    /// Derive the presets of accuracy from the shipped scenes in this folder, some minutes of CPU time
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scene", "knobs", "set", "errors", "within", "apply", "confirm", "reference", "budget", "full"])]
+    presets: Option<PathBuf>,
     /// A key of the scene and the values to try; those that suit the scene if not given
     #[arg(long = "knob", value_name = "KEY.PATH=V1,V2,...")]
     knobs: Vec<String>,
@@ -181,7 +186,7 @@ pub fn trade_scene(arguments: TradeArguments) -> Result<Outcome, Failure> {
     use_threads(Some(1));
     signals::listen();
     let request = trade::Request {
-        scene: arguments.scene,
+        scene: arguments.scene.unwrap_or_default(),
         knobs: arguments.knobs,
         set: arguments.set,
         errors: arguments.errors,
@@ -195,5 +200,8 @@ pub fn trade_scene(arguments: TradeArguments) -> Result<Outcome, Failure> {
         full: arguments.full,
         quiet: arguments.quiet,
     };
-    Ok(rayon::scope(|_| trade::trade(&request))?)
+    Ok(rayon::scope(|_| match &arguments.presets {
+        Some(folder) => trade::presets::derive(&request, folder),
+        None => trade::trade(&request),
+    })?)
 }

@@ -100,15 +100,20 @@ impl Course {
             }
             setting
         };
+        self.with(seeded(&self.reference), vec![seeded(setting)])
+    }
+
+    /// The same for other settings.
+    pub fn with(&self, reference: Setting, settings: Vec<Setting>) -> Self {
         Self {
             title: self.title.clone(),
             sentence: self.sentence.clone(),
             folder: self.folder.clone(),
             keys: self.keys.clone(),
             own: self.own.clone(),
-            reference: seeded(&self.reference),
+            reference,
             aside: self.aside.clone(),
-            settings: vec![seeded(setting)],
+            settings,
             planets: self.planets,
         }
     }

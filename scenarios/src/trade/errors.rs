@@ -12,6 +12,7 @@ use nbody::orbit::Elements;
 use nbody::points::Vec3;
 
 use super::jackknife::{Measured, PARTS, jackknife, root_mean};
+use super::tail;
 use crate::history::read_numbers;
 use crate::snapshot::{self, Contents, Particles};
 
@@ -125,7 +126,10 @@ impl State {
                 ])
             })
             .collect();
-        jackknife(&squares, |sums| (sums[0] / sums[1]).sqrt())
+        let distances = squares.iter().map(|square| square[0].sqrt());
+        let spread = tail::spread(distances.collect(), 4.0);
+        let measured = jackknife(&squares, |sums| (sums[0] / sums[1]).sqrt())?;
+        Some(Measured { spread, ..measured })
     }
 
     /// Squares of eccentricities and inclinations of planetesimals, of planets where there are no others; `None` without a star.
@@ -167,6 +171,7 @@ impl State {
         (self.planets > 0 && torqued && theirs != 0.0).then(|| Measured {
             error: ((mine - theirs) / theirs).abs(),
             uncertainty: f64::NAN,
+            spread: 1.0,
         })
     }
 
@@ -280,6 +285,7 @@ pub fn of_ledger(folder: &Path) -> Result<Errors, String> {
         let measured = Measured {
             error: sizes.iter().copied().fold(0.0, f64::max),
             uncertainty: (square / n).sqrt(),
+            spread: 1.0,
         };
         errors.insert(name, measured);
     }

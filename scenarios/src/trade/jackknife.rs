@@ -2,6 +2,8 @@
 //!
 //! sigma^2 = (n - 1) / n sum_k (x_k - mean x)^2, x_k being the value without group k of n (Quenouille 1956, Tukey 1958).
 
+use super::tail;
+
 /// Rings of a profile and groups of a jackknife.
 pub const PARTS: usize = 20;
 
@@ -10,6 +12,8 @@ pub const PARTS: usize = 20;
 pub struct Measured {
     pub error: f64,
     pub uncertainty: f64,
+    /// How many times larger it may be with another seed, for heavy tails; 1 where the uncertainty says it all.
+    pub spread: f64,
 }
 
 /// Difference of two rms values by the second.
@@ -27,7 +31,10 @@ pub fn root_mean(mine: &[[f64; 2]], theirs: &[[f64; 2]], k: usize) -> Option<Mea
     }
     let error = ((root(sums(&mine)) - wanted) / wanted).abs();
     // Of the same bodies in both the difference scatters, by the pairs' own jackknife; of others each rms by itself.
+    let mut spread = 1.0;
     let uncertainty = if mine.len() == theirs.len() {
+        let changes = mine.iter().zip(&theirs).map(|(a, b)| (a[0] - b[0]).abs());
+        spread = tail::spread(changes.collect(), 2.0);
         let both: Vec<[f64; 2]> = mine
             .iter()
             .zip(&theirs)
@@ -41,7 +48,11 @@ pub fn root_mean(mine: &[[f64; 2]], theirs: &[[f64; 2]], k: usize) -> Option<Mea
         };
         alone(&mine).hypot(alone(&theirs)) / wanted
     };
-    Some(Measured { error, uncertainty })
+    Some(Measured {
+        error,
+        uncertainty,
+        spread,
+    })
 }
 
 /// A function of sums over items, and its standard error from leaving out one of at most some groups of them at a time.
@@ -71,7 +82,11 @@ pub fn jackknife(items: &[[f64; 2]], of: impl Fn([f64; 2]) -> f64) -> Option<Mea
     } else {
         f64::NAN
     };
-    Some(Measured { error, uncertainty })
+    Some(Measured {
+        error,
+        uncertainty,
+        spread: 1.0,
+    })
 }
 
 #[cfg(test)]

@@ -25,6 +25,13 @@ pub struct Outcome {
     pub errors: Errors,
 }
 
+impl Outcome {
+    /// A cost that is the same on all machines, in updates of a gas particle, which take what some thousand interactions of the tree do.
+    pub fn work(&self) -> f64 {
+        self.targets as f64 + 1e-3 * self.interactions as f64
+    }
+}
+
 /// A line of the table.
 pub struct Row {
     pub setting: Setting,
@@ -107,22 +114,42 @@ impl Table {
         better.map(|(i, ..)| i).collect()
     }
 
-    /// The cheapest setting whose errors all stay within their limits, by two standard errors.
+    /// The cheapest setting whose errors all stay within their limits, by two standard errors and with other seeds.
     pub fn cheapest(&self, limits: &[(&str, f64)]) -> Option<usize> {
-        let within = |row: &Row| {
-            row.outcome.as_ref().is_ok_and(|outcome| {
-                limits.iter().all(|(metric, limit)| {
-                    let measured = outcome.errors.get(metric);
-                    let most = |measured: &Measured| match measured.uncertainty {
-                        // Of a single sample, or none to speak of.
-                        sigma if sigma.is_nan() => measured.error,
-                        sigma => measured.error + SIGMAS * sigma,
-                    };
-                    measured.is_some_and(|measured| most(measured) <= *limit)
-                })
-            })
+        let within = |i: usize| {
+            let keeps = |(metric, limit): &(&str, f64)| {
+                let most = self.most(i, metric);
+                let elsewhere = || self.measured(i, metric).map(|m| m.spread * m.error);
+                most.is_some_and(|error| error <= *limit)
+                    && elsewhere().is_some_and(|error| error <= *limit)
+            };
+            self.rows[i].outcome.is_ok() && limits.iter().all(keeps)
         };
-        self.by_cost().into_iter().find(|&i| within(&self.rows[i]))
+        self.by_cost().into_iter().find(|&i| within(i))
+    }
+
+    /// An error of a setting with the standard errors that recommendations count; none if its run has none.
+    pub fn most(&self, i: usize, metric: &str) -> Option<f64> {
+        let measured = self.measured(i, metric)?;
+        Some(match measured.uncertainty {
+            // Of a single sample, or none to speak of.
+            sigma if sigma.is_nan() => measured.error,
+            sigma => measured.error + SIGMAS * sigma,
+        })
+    }
+
+    fn measured(&self, i: usize, metric: &str) -> Option<&Measured> {
+        self.rows[i].outcome.as_ref().ok()?.errors.get(metric)
+    }
+
+    /// Metrics that may be larger with other seeds by more than their uncertainties, and by how many times at most.
+    pub fn spreads(&self) -> Vec<(&'static str, f64)> {
+        let most = |metric: &&'static str| {
+            let all = (0..self.rows.len()).filter_map(|i| self.measured(i, metric));
+            (*metric, all.map(|m| m.spread).fold(1.0, f64::max))
+        };
+        let all = self.metrics();
+        all.iter().map(most).filter(|(_, s)| *s > 1.0).collect()
     }
 
     /// For programs.
@@ -311,12 +338,12 @@ fn line(cells: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trade::jackknife::Measured;
 
     fn row(cpu_s: f64, energy: f64) -> Row {
         let measured = Measured {
             error: energy,
             uncertainty: f64::NAN,
+            spread: 1.0,
         };
         Row {
             setting: Setting {

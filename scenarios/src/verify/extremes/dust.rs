@@ -35,16 +35,27 @@ fn speed(end: &End) -> f64 {
     v.iter().map(|v| v.x).sum::<f64>() / v.len() as f64
 }
 
-/// The largest change of a grain's distance from the star.
-fn drifted(end: &End) -> f64 {
+/// By how much the distances of grains from the axis have changed.
+fn changes(end: &End) -> Vec<f64> {
     let (a, b) = (end.start(2), end.rows(2));
     let place = |id: &u64| b.id.iter().position(|other| other == id);
     let radius = |x: Vec3| x.xy().norm();
     let change = |(i, id): (usize, &u64)| {
         place(id).map_or(f64::NAN, |j| (radius(b.x[j]) - radius(a.x[i])).abs())
     };
-    let all = a.id.iter().enumerate().map(change);
+    a.id.iter().enumerate().map(change).collect()
+}
+
+/// The largest change of a grain's distance from the star.
+fn drifted(end: &End) -> f64 {
+    let all = changes(end).into_iter();
     all.fold(0.0, |a: f64, b| if a >= b { a } else { b })
+}
+
+/// The same, root mean square.
+fn walked(end: &End) -> f64 {
+    let all = changes(end);
+    (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt()
 }
 
 fn law(key: &str, value: f64) -> String {
@@ -119,7 +130,7 @@ fn sizes(cases: &mut Vec<Case>) {
         let outside = move |end: &End| {
             let rows = end.rows(2);
             let radii = rows.more.get("GrainRadii").cloned().unwrap_or_default();
-            let inside = |a: &&f64| (lo * 0.999..=hi * 1.001).contains(*a);
+            let inside = |a: &&f64| (lo * (1.0 - 1e-12)..=hi * (1.0 + 1e-12)).contains(*a);
             radii.len() as f64 - radii.iter().filter(inside).count() as f64
         };
         cases.push(Case::new(what, range(min, max, slope)).left(100).figure(
@@ -228,7 +239,14 @@ fn turbulence(cases: &mut Vec<Case>) {
                 law("stokes_number", stokes)
             ));
             let what = format!("turbulence of alpha {alpha}, Stokes number {stokes:e}");
-            cases.push(Case::new(what, scene(1.0, &text)).left(100));
+            let case = Case::new(what, scene(1.0, &text)).left(100);
+            // Those that the gas carries walk as sqrt(2 alpha c H t / (1 + St^2)), five standard errors of 100 grains; others as above.
+            cases.push(if alpha == "1" && stokes <= 1.0 {
+                let exact = 0.05 * (2.0 / (1.0 + stokes * stokes)).sqrt();
+                case.figure("walk, relative", 0.35, move |e| walked(e) / exact - 1.0)
+            } else {
+                case.figure("change of radius", 3.2e-2, drifted)
+            });
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use nbody::points::Vec3;
 
-use super::case::Case;
+use super::case::{Case, End};
 use super::scene;
 use super::start::Start;
 
@@ -39,6 +39,14 @@ fn star(mass: &str, radius: &str) -> String {
     format!("[star]\nmass = {mass}\naccretion_radius = {radius}\n")
 }
 
+/// Keeps momentum, and has a star of unit mass swallow `mass` at rest: roundings of the sums, and of pulls that cancel.
+fn fed(case: Case, mass: f64) -> Case {
+    let gained = move |end: &End| (end.final_value("mass_star") - 1.0) / mass - 1.0;
+    let speed = |end: &End| end.rows(4).v[0].norm();
+    let case = case.momentum(1e-12).figure("mass swallowed", 1e-9, gained);
+    case.figure("speed of the star", 1e-15, speed)
+}
+
 fn on_the_star(cases: &mut Vec<Case>) {
     for gravity in ["", TREE] {
         let text = |radius: &str| scene(1e-3, &(star("1", radius) + FLUIDS + gravity));
@@ -49,11 +57,11 @@ fn on_the_star(cases: &mut Vec<Case>) {
         };
         let what = format!("gas and dust at the star's own place{how}");
         cases.push(Case::refused(what, text("0"), INSIDE).from(ball(ORIGIN)));
-        // The nearest of the others fall in, two of each by the end.
-        for (radius, left) in [("0.001", 248), ("1", 0)] {
+        // One of each stands in the star.
+        for (radius, left, mass) in [("0.001", 248, 1.01e-6), ("1", 0, 125.0 * 1.01e-6)] {
             let what = format!("the same{how}, accreted within {radius}");
             let case = Case::new(what, text(radius)).from(ball(ORIGIN));
-            cases.push(case.momentum(1e-12).left(left));
+            cases.push(fed(case, mass).left(left));
         }
         let aside = ball(Vec3::repeat(0.005));
         let what = format!("gas and dust about the star{how}");
@@ -79,7 +87,7 @@ fn on_the_star(cases: &mut Vec<Case>) {
         let what = format!("{name} at the very place of the star");
         cases.push(Case::refused(what.clone(), text("0"), INSIDE).from(lone.clone()));
         let case = Case::new(format!("{what}, which swallows"), text("0.1")).from(lone);
-        cases.push(case.momentum(1e-12).left(0));
+        cases.push(fed(case, 1e-6).left(0));
     }
     let text = star("1", "1")
         + FLUIDS
