@@ -7,7 +7,7 @@
 //! so mass, momentum and angular momentum are kept to round-off; where its vapour differs from that share, it is swapped for dry gas among
 //! the neighbours. Kinetic energy that mixing takes is frictional heat. Sublimation leaves the temperature of the gas: what is missing for the
 //! internal energy of the vapour is booked as radiated, below zero; latent heat and the molecular weight of the vapour are left out.
-//! Grains at an edge of the gas, whose w are not exact for linear fields, keep what they have. Impulses that the sweeps found for the half steps
+//! At an edge of the gas impulses turn it, as those of drag do; grains that see too little of it for that keep what they have. Impulses that the sweeps found for the half steps
 //! that open now stay what they are. Half steps see one temperature: of second order in the step where mantles retreat evenly over a kernel.
 
 use dust::Materials;
@@ -46,6 +46,8 @@ struct Given {
     v: Vec3,
     /// Heat that it makes within the swarm.
     heat: f64,
+    /// Rotation of the gas around that keeps the angular momentum at an edge.
+    spin: Vec3,
 }
 
 /// What a gas particle becomes.
@@ -128,17 +130,23 @@ impl Sublimate {
                 };
                 let mass: f64 = links.hosts(i).map(lost).sum();
                 let (m, v) = (p.m[i], p.v[i]);
+                let spin = |v: Vec3| links.spin(i, mass * v);
                 if mass >= 0.0 {
-                    return Given { mass, v, heat: 0.0 };
+                    let (heat, spin) = (0.0, spin(v));
+                    return Given {
+                        mass,
+                        v,
+                        heat,
+                        spin,
+                    };
                 }
-                let around: Vec3 = (links.hosts(i))
-                    .map(|(pair, room)| links.weight[pair] * v_gas[links.rooms[room] as usize])
-                    .sum();
+                let around = links.seen(i, |room| v_gas[links.rooms[room] as usize]);
                 let reduced = m * -mass / (m - mass);
                 Given {
                     mass,
                     v: around,
                     heat: 0.5 * reduced * (v - around).norm_squared(),
+                    spin: spin(around),
                 }
             })
             .collect_into_vec(&mut self.given);
@@ -157,9 +165,11 @@ impl Sublimate {
                 for (i, pair) in links.guests(r) {
                     let (w, given) = (links.weight[pair], &given[i]);
                     let (dm, u) = (w * given.mass, given.v - p.v[j]);
+                    let turned = w * links.turned(given.spin, i, pair);
                     gained += dm;
-                    impulse += dm * u;
-                    heat += 0.5 * dm * u.norm_squared() + w * given.heat;
+                    impulse += dm * u - turned;
+                    // The turns around a grain are no net impulse: they work on velocities relative to any one.
+                    heat += 0.5 * dm * u.norm_squared() - u.dot(&turned) + w * given.heat;
                 }
                 let mass = p.m[j] + gained;
                 // The vapour's own rounding may leave less than none of it.

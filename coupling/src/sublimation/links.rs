@@ -1,12 +1,23 @@
 //! Links: which gas is around each grain and which grains are around each gas particle.
 
 use gas::probe::{Candidates, Reach, Shape, Weights};
+use nalgebra::Matrix3;
+use nbody::points::Vec3;
 use rayon::prelude::*;
 
 use crate::System;
 
 /// Grains that a thread looks at in one go.
 const RUN: usize = 512;
+
+/// The rigid rotation that a grain at an edge of the gas sees.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    offset: Vec3,
+    inverse_inertia: Matrix3<f64>,
+    /// place of its first pair's arm
+    arms: usize,
+}
 
 /// Pairs of grains and gas, in the order of the grains, and by gas particle.
 #[derive(Default)]
@@ -19,6 +30,10 @@ pub struct Links {
     pub weight: Vec<f64>,
     /// part of the swarm that each pair has: the positive of w
     pub share: Vec<f64>,
+    /// place of each grain's turn; nowhere for those inside the gas
+    turn: Vec<u32>,
+    turns: Vec<Turn>,
+    arms: Vec<Vec3>,
     /// gas particles that have pairs
     pub rooms: Vec<u32>,
     /// first guest of each room, and the end
@@ -33,7 +48,12 @@ struct Part {
     ends: Vec<usize>,
     gas: Vec<u32>,
     weight: Vec<f64>,
+    turn: Vec<u32>,
+    turns: Vec<Turn>,
+    arms: Vec<Vec3>,
 }
+
+const NOWHERE: u32 = u32::MAX;
 
 impl Links {
     /// Finds the gas around all grains.
@@ -58,14 +78,17 @@ impl Links {
             )
             .collect();
         self.list(&parts);
-        self.turn(system.gas.len());
+        self.invite(system.gas.len());
     }
 
-    /// Puts the parts one after the other; rooms are gas particles until they are turned.
+    /// Puts the parts one after the other; rooms are gas particles until they invite.
     fn list(&mut self, parts: &[Part]) {
         self.start.clear();
         self.room.clear();
         self.weight.clear();
+        self.turn.clear();
+        self.turns.clear();
+        self.arms.clear();
         self.start.push(0);
         for part in parts {
             let before = self.room.len();
@@ -73,6 +96,14 @@ impl Links {
                 .extend(part.ends.iter().map(|end| (before + end) as u32));
             self.room.extend_from_slice(&part.gas);
             self.weight.extend_from_slice(&part.weight);
+            let (turns, arms) = (self.turns.len() as u32, self.arms.len());
+            let later = |&turn: &u32| if turn == NOWHERE { turn } else { turns + turn };
+            self.turn.extend(part.turn.iter().map(later));
+            self.turns.extend(part.turns.iter().map(|turn| Turn {
+                arms: arms + turn.arms,
+                ..*turn
+            }));
+            self.arms.extend_from_slice(&part.arms);
         }
         self.share.clear();
         for ends in self.start.windows(2) {
@@ -83,7 +114,7 @@ impl Links {
     }
 
     /// Lists the guests of each of the `gas` particles that has any.
-    fn turn(&mut self, gas: usize) {
+    fn invite(&mut self, gas: usize) {
         let mut count = vec![0; gas];
         self.room.iter().for_each(|&j| count[j as usize] += 1);
         self.rooms.clear();
@@ -119,6 +150,44 @@ impl Links {
         guests.map(|&[grain, pair]| (grain as usize, pair as usize))
     }
 
+    /// A field of the gas at a grain; `of` gives it by room.
+    pub fn seen(&self, grain: usize, of: impl Fn(usize) -> Vec3) -> Vec3 {
+        let pairs = || {
+            self.hosts(grain)
+                .map(|(pair, room)| (pair, self.weight[pair] * of(room)))
+        };
+        let plain: Vec3 = pairs().map(|(_, field)| field).sum();
+        let Some(turn) = self.turn_of(grain) else {
+            return plain;
+        };
+        let spin: Vec3 = pairs()
+            .map(|(pair, field)| self.arm(turn, grain, pair).cross(&field))
+            .sum();
+        plain - (turn.inverse_inertia * spin).cross(&turn.offset)
+    }
+
+    /// The rotation that an impulse at a grain gives to the gas around.
+    pub fn spin(&self, grain: usize, impulse: Vec3) -> Vec3 {
+        let turn = self.turn_of(grain);
+        turn.map_or_else(Vec3::zeros, |turn| {
+            turn.inverse_inertia * turn.offset.cross(&impulse)
+        })
+    }
+
+    /// What of it a pair gets, by its weight.
+    pub fn turned(&self, spin: Vec3, grain: usize, pair: usize) -> Vec3 {
+        let turn = self.turn_of(grain);
+        turn.map_or_else(Vec3::zeros, |turn| spin.cross(&self.arm(turn, grain, pair)))
+    }
+
+    fn turn_of(&self, grain: usize) -> Option<&Turn> {
+        self.turns.get(self.turn[grain] as usize)
+    }
+
+    fn arm(&self, turn: &Turn, grain: usize, pair: usize) -> Vec3 {
+        self.arms[turn.arms + pair - self.start[grain] as usize]
+    }
+
     /// Pair and room of the gas around a grain.
     pub fn hosts(&self, grain: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let range = self.start[grain] as usize..self.start[grain + 1] as usize;
@@ -127,7 +196,7 @@ impl Links {
 }
 
 impl Part {
-    /// Lists the gas around grain `i`; none of one at an edge.
+    /// Lists the gas around grain `i`; none of one that could not keep angular momentum.
     fn look(
         &mut self,
         system: &System,
@@ -143,9 +212,23 @@ impl Part {
             (p.x[i], p.h[i]),
             reach,
         );
-        if weights.shape == Shape::Linear {
+        let rigid = weights.shape == Shape::Rigid;
+        if rigid || weights.shape == Shape::Linear {
             self.gas.extend_from_slice(&weights.index);
             self.weight.extend_from_slice(&weights.weight);
+        }
+        self.turn.push(if rigid {
+            self.turns.len() as u32
+        } else {
+            NOWHERE
+        });
+        if rigid {
+            self.turns.push(Turn {
+                offset: weights.offset,
+                inverse_inertia: weights.inverse_inertia,
+                arms: self.arms.len(),
+            });
+            self.arms.extend_from_slice(&weights.arm);
         }
         self.ends.push(self.gas.len());
     }
