@@ -11,7 +11,7 @@
 //! that open now stay what they are. Half steps see one temperature: of second order in the step where mantles retreat evenly over a kernel.
 
 use dust::Materials;
-use dust::sublimation::{Room, Share, Water};
+use dust::sublimation::{Room, Water};
 use gas::Gas;
 use gas::probe::isothermal;
 use nbody::points::{Fault, Vec3};
@@ -21,8 +21,10 @@ use crate::System;
 use crate::operator::{Meter, Operator, Phase};
 
 mod links;
+mod swarm;
 
 use links::Links;
+use swarm::Swarm;
 
 /// What a scene's ice and gas are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -237,36 +239,6 @@ impl Sublimate {
 
 /// Ice below this part of a grain is what rounding has left of none.
 const ROUNDING: f64 = 1e-15;
-
-/// A superparticle as the exchange sees it.
-struct Swarm {
-    number: f64,
-    radius: f64,
-    core: f64,
-    ice: f64,
-    water: Water,
-}
-
-impl Swarm {
-    fn of(system: &System, phases: &Phases, i: usize) -> Self {
-        let p = &system.dust.particles;
-        let (radius, fractions) = (p.grain_radius[i], p.composition[i]);
-        let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-        Self {
-            number: p.m[i] / (volume * phases.materials.density(fractions)),
-            radius,
-            core: radius * phases.materials.core(fractions),
-            ice: fractions.x * p.m[i],
-            water: phases.water,
-        }
-    }
-
-    /// So large a part of it.
-    fn share(&self, part: f64) -> Share {
-        let (number, ice) = (part * self.number, part * self.ice);
-        Share::new(number, self.radius, self.core, ice, &self.water)
-    }
-}
 
 impl Operator for Sublimate {
     fn name(&self) -> &'static str {
