@@ -1,14 +1,14 @@
 //! Sublimation and recondensation of ice as an operator: over the second half of a base step at its end, and over the first half of the next.
 //!
 //! It stands first in the list: it closes after all others and opens before them, with everybody at one time. Grain i shares its swarm out to
-//! the gas around by max(w_ij, 0), w from [`gas::probe`]; each gas particle exchanges vapour with the shares that it has got ([`dust::sublimation`]),
-//! and the grains of a swarm are equal again afterwards. The swarm keeps its number of grains. What it loses in sum, dm_i, is mass of the gas:
+//! the gas around by max(w_ij, 0), w from [`gas::probe`]; each gas particle exchanges vapour with its shares ([`dust::sublimation`]), and the
+//! grains of a swarm, whose number stays, are equal again afterwards. What a swarm loses in sum, dm_i, becomes mass of the gas:
 //!     m_j += w_ij dm_i,  m_j v_j += w_ij dm_i V_i,  V_i = v_i where ice sublimates, sum_j w_ij v_j where vapour condenses,
-//! so mass, momentum and angular momentum are kept to round-off; where its vapour differs from that share, it is swapped for dry gas among
-//! the neighbours. Kinetic energy that mixing takes is frictional heat. Sublimation leaves the temperature of the gas: what is missing for the
-//! internal energy of the vapour is booked as radiated, below zero; latent heat and the molecular weight of the vapour are left out.
-//! At an edge of the gas impulses turn it, as those of drag do; grains that see too little of it for that keep what they have. Impulses that the sweeps found for the half steps
-//! that open now stay what they are. Half steps see one temperature: of second order in the step where mantles retreat evenly over a kernel.
+//! so mass, momentum and angular momentum are kept to round-off, whatever drag does; vapour beyond w_ij dm_i is swapped for dry gas among the
+//! neighbours. The kinetic energy that mixing takes is frictional heat. The gas keeps its temperature: what the vapour's internal energy lacks is
+//! booked as radiated, below zero; latent heat and the vapour's molecular weight are left out. At an edge of the gas impulses turn it, as those
+//! of drag do; grains that see too little of it for that keep what they have. Impulses found for half steps that open now stay what they are.
+//! Half steps see one temperature: of second order in the step where mantles retreat evenly over a kernel, else of first.
 
 use dust::Materials;
 use dust::sublimation::{Room, Water};
