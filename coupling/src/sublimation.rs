@@ -65,6 +65,7 @@ struct Parcel {
 pub struct Sublimate {
     phases: Phases,
     links: Links,
+    swarms: Vec<Swarm>,
     /// By how much mantles retreat in each room, and the vapour that it gains.
     retreats: Vec<[f64; 2]>,
     given: Vec<Given>,
@@ -76,6 +77,7 @@ impl Sublimate {
         Self {
             phases,
             links: Links::default(),
+            swarms: Vec::new(),
             retreats: Vec::new(),
             given: Vec::new(),
             parcels: Vec::new(),
@@ -83,7 +85,12 @@ impl Sublimate {
     }
 
     fn act(&mut self, system: &mut System, dt: f64) {
-        self.evaporate(system, dt);
+        (0..system.dust.len())
+            .into_par_iter()
+            .with_min_len(256)
+            .map(|i| Swarm::of(system, &self.phases, i))
+            .collect_into_vec(&mut self.swarms);
+        self.evaporate(&system.gas, dt);
         self.give(system);
         self.receive(&system.gas);
         self.settle_gas(system);
@@ -92,9 +99,9 @@ impl Sublimate {
     }
 
     /// What each room of gas makes of the shares in it.
-    fn evaporate(&mut self, system: &System, dt: f64) {
+    fn evaporate(&mut self, gas: &Gas, dt: f64) {
         let (links, phases) = (&self.links, &self.phases);
-        let (gas, swarm) = (&system.gas, |i| Swarm::of(system, phases, i));
+        let swarms = &self.swarms;
         (0..links.rooms.len())
             .into_par_iter()
             .with_min_len(64)
@@ -110,7 +117,7 @@ impl Sublimate {
                 shares.extend(
                     links
                         .guests(r)
-                        .map(|(i, pair)| swarm(i).share(links.share[pair])),
+                        .map(|(i, pair)| swarms[i].share(links.share[pair])),
                 );
                 let l = room.retreat(shares, &phases.water, dt);
                 [l, shares.iter().map(|share| share.lost(l)).sum()]
@@ -120,15 +127,14 @@ impl Sublimate {
 
     /// What each swarm gives to the gas.
     fn give(&mut self, system: &System) {
-        let (links, phases, retreats) = (&self.links, &self.phases, &self.retreats);
+        let (links, swarms, retreats) = (&self.links, &self.swarms, &self.retreats);
         let (p, v_gas) = (&system.dust.particles, &system.gas.particles.v);
         (0..p.m.len())
             .into_par_iter()
             .with_min_len(256)
             .map(|i| {
-                let swarm = Swarm::of(system, phases, i);
                 let lost = |(pair, room): (usize, usize)| {
-                    swarm.share(links.share[pair]).lost(retreats[room][0])
+                    swarms[i].share(links.share[pair]).lost(retreats[room][0])
                 };
                 let mass: f64 = links.hosts(i).map(lost).sum();
                 let (m, v) = (p.m[i], p.v[i]);
