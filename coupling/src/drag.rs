@@ -147,6 +147,22 @@ impl Exchange {
         }
     }
 
+    /// Learns the masses anew, if they have changed since the exchange was prepared.
+    pub fn reweigh<I: Immersed>(&mut self, gas: &Gas, immersed: &I) {
+        let blocks = &mut self.blocks[..self.used];
+        let feedback = self.settings.feedback;
+        blocks.par_iter_mut().for_each(|block| {
+            block.weigh(immersed);
+            if feedback {
+                block.spread_load();
+            }
+        });
+        if feedback {
+            self.touched.sum(blocks, gas);
+            self.fresh = true;
+        }
+    }
+
     /// Drag over the half steps `steps` of the active particles, as they were given to [`Exchange::prepare`], at the tick of `clock`.
     pub fn exchange<I: Immersed>(
         &mut self,

@@ -49,6 +49,7 @@ impl Splitting {
         let crossed = system.gas.refit(&domain, &clock) + system.dust.refit(&domain, &clock);
         system.ledger.receive(crossed);
         meter.count(0, 0);
+        system.reweighed = false;
         for operator in &mut self.operators {
             operator.prepare(system, meter)?;
         }

@@ -152,6 +152,8 @@ pub struct System {
     pub touches: Vec<Encounter>,
     /// Whether potentials are wanted at this tick.
     pub reporting: bool,
+    /// Whether gas or dust have changed their masses since everything was prepared at this tick.
+    pub reweighed: bool,
     /// What the bodies' pulls on each other add to their `a` that their integrator does in its drift, when last reported; empty unless
     /// that is wanted.
     pub held_back: Vec<Vec3>,
@@ -194,6 +196,7 @@ impl System {
             next_id: 0,
             touches: Vec::new(),
             reporting: false,
+            reweighed: false,
             held_back: Vec::new(),
             chosen: 0,
             heavies: Vec::new(),

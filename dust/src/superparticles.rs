@@ -19,6 +19,8 @@ columns! {
         grain_radius: Real = Label::snapshot("GrainRadii", Dimension::LENGTH, "radius of a grain"),
         /// material density of a grain
         grain_density: Real = Label::snapshot("GrainDensities", Dimension::DENSITY, "material density of a grain"),
+        /// mass fractions of ice, silicate and iron; empty unless the scene follows them
+        composition: Vector = Label::snapshot("Compositions", Dimension::NONE, "mass fractions of ice, silicate and iron").optional(),
         /// what the law of drag holds constant, of the grain's own: a stopping time or a Stokes number; zero: the law's
         stopping: Real = Label::checkpoint("StoppingConstants", Dimension::NONE, "stopping time or Stokes number of the grain's own").optional(),
         /// smoothing length of the gas around: the one that gives the grain its wanted number of gas neighbours

@@ -34,6 +34,8 @@ columns! {
         u: Real = Label::snapshot("InternalEnergies", Dimension::SPECIFIC_ENERGY, "specific internal energy"),
         /// smoothing length: twice the standard deviation of the kernel (Dehnen & Aly 2012)
         h: Real = Label::snapshot("SmoothingLengths", Dimension::LENGTH, "smoothing length, twice the standard deviation of the kernel"),
+        /// mass fraction of water vapour; empty unless ice sublimates
+        vapour: Real = Label::snapshot("VapourFractions", Dimension::NONE, "mass fraction of water vapour").optional(),
         /// viscosity parameter alpha
         alpha: Real = Label::snapshot("ViscosityParameters", Dimension::NONE, "viscosity parameter alpha"),
         /// trace of the linear-exact velocity gradient, kept for a switch that asks for its change

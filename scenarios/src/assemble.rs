@@ -20,6 +20,7 @@ use coupling::growth::GrowDust;
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::rearrange::RearrangeGas;
 use coupling::stirring::{Medium, Stir};
+use coupling::sublimation::Sublimate;
 use coupling::{Operator, Splitting, System};
 use dust::motion::Parts;
 use nbody::gravity as solver;
@@ -210,6 +211,10 @@ fn operators(
     if let Some(kernel) = grown.and_then(|d| populate::growth::kernel(scene, d)) {
         // The outermost: closes after and opens before all others.
         list.push(Box::new(GrowDust::new(kernel, scene.run.seed)));
+    }
+    let phases = hydro.as_ref().filter(|_| gas && dust);
+    if let Some(phases) = phases.and_then(|hydro| populate::sublimation::phases(scene, hydro)) {
+        list.push(Box::new(Sublimate::new(phases)));
     }
     if let Some(hydro) = hydro.clone().filter(|_| gas) {
         let strength = scene.gas.as_ref().map_or(0.0, |gas| gas.rearrange);

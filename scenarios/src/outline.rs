@@ -30,6 +30,7 @@ pub fn outline(scene: &Scene) -> Result<String, RunError> {
     ));
     let said = method(scene).into_iter().chain(sampled.remarks.clone());
     said.chain(growth(scene))
+        .chain(composition(scene))
         .chain(surroundings(scene, system))
         .for_each(|words| line(format!("  {words}")));
     line(format!(
@@ -195,6 +196,19 @@ fn growth(scene: &Scene) -> Option<String> {
     ))
 }
 
+/// What grains are made of.
+fn composition(scene: &Scene) -> Option<String> {
+    let composition = scene.dust.as_ref()?.composition?;
+    let [ice, silicate, iron] = composition.fractions;
+    let ice_does = match composition.sublimation {
+        true => "sublimates into the gas and recondenses; silicate and iron do not",
+        false => "stays",
+    };
+    Some(format!(
+        "grains of ice {ice}, silicate {silicate} and iron {iron} by mass; the ice {ice_does}"
+    ))
+}
+
 /// What acts by a formula, and on whom.
 fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
     let mut said = Vec::new();
@@ -325,6 +339,10 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
                 .as_ref()
                 .is_some_and(|dust| dust.turbulence == 0.0),
             "turbulent stirring of dust",
+        ),
+        (
+            (scene.dust.as_ref()).is_some_and(|dust| dust.composition.is_none()),
+            "sublimation of grains",
         ),
         (
             !system.dust.is_empty() && growing.is_some_and(|g| !breaks(&g)),

@@ -1,6 +1,7 @@
 //! Population of a scene: particles and bodies from generators and from a file, with the material laws that the scene gives them.
 
 pub mod growth;
+pub mod sublimation;
 
 use std::fmt;
 
@@ -490,6 +491,7 @@ fn gas(scene: &Scene, ids: &mut Ids, mut file: Particles) -> Result<Particles, R
     let first = ids.take(file.len());
     number(&mut file.id, first);
     append(&mut all, &file);
+    sublimation::moisten(scene, &mut all);
     Ok(all)
 }
 
@@ -569,6 +571,7 @@ fn dust(scene: &Scene, ids: &mut Ids, mut file: Superparticles, gas: &Particles)
     let first = ids.take(file.len());
     number(&mut file.id, first);
     append(&mut all, &file);
+    sublimation::mix(scene, &mut all);
     all
 }
 

@@ -1,6 +1,7 @@
 //! Reading a scene: from a TOML text and `--set` overrides to a resolved `Scene`, or everything that is wrong with it.
 
 mod bodies;
+pub mod composition;
 mod cooling;
 pub mod dust;
 mod eos;

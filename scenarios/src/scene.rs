@@ -294,6 +294,8 @@ pub struct Dust {
     /// `None`: the initial file says, or no law needs it.
     pub sizes: Option<Sizes>,
     pub material_density: f64,
+    /// `None`: not followed; else the material density follows from it.
+    pub composition: Option<Composition>,
     /// Dust's scale height by that of the gas.
     pub scale_height: f64,
     /// Edges of the dust disk; those of the gas disk unless given. Zero without a disk.
@@ -305,6 +307,15 @@ pub struct Dust {
     pub turbulence: f64,
     /// `None`: grains stay as they are.
     pub growth: Option<Growth>,
+}
+
+/// What grains are made of at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Composition {
+    /// Mass fractions of ice, silicate and iron.
+    pub fractions: [f64; 3],
+    /// Whether ice sublimates and vapour condenses.
+    pub sublimation: bool,
 }
 
 /// A block of dust, and what its grains have of their own; the rest they have from the dust.

@@ -2,6 +2,7 @@
 //!
 //! A value that has already been refused stands here as not-a-number, which breaks no rule.
 
+mod composition;
 mod growth;
 
 use nbody::points::Vec3;
@@ -345,6 +346,7 @@ fn dust_rules(scene: &Scene, dust: &Dust, complaints: &Complaints<'_>) {
         complaints.say("dust.size.min", "must be less than dust.size.max");
     }
     growth::rules(scene, dust, complaints);
+    composition::rules(scene, dust, complaints);
     for (i, entry) in dust.blocks.iter().enumerate() {
         block_rules(scene, &entry.block, &format!("dust.block.{i}"), complaints);
     }

@@ -34,7 +34,6 @@ pressure = 1e-7
         r#"
 [dust]
 size = "1 cm"
-material_density = "1 g/cm^3"
 [[dust.block]]
 lo = [0.7, -0.3, -0.3]
 hi = [1.3, 0.3, 0.3]
@@ -98,6 +97,12 @@ pub const PROCESSES: &[Process] = &[
         set: &["coupling.drag=[\"gas-dust\"]", "dust.turbulence.alpha=1e-3"],
         needs: [true, true, true],
         operators: &["stir dust", "drag dust"],
+    },
+    Process {
+        name: "sublimation",
+        set: &["dust.composition={ ice = 0.5, silicate = 0.5 }"],
+        needs: [true, true, false],
+        operators: &["sublimation"],
     },
     Process {
         name: "cooling",

@@ -37,6 +37,11 @@ fn every_scene_keeps_what_it_must() {
             "nbody/million-planetesimals.toml" => {
                 overrides.extend(["run.end_time=\"0.1 yr\"", "planetesimals.number=5000"]);
             }
+            "coupled/snow-line.toml" => overrides.extend([
+                "run.end_time=\"0.5 yr\"",
+                "gas.particles=5000",
+                "dust.particles=3000",
+            ]),
             "nbody/outer-solar-system.toml" => overrides.push("run.end_time=\"100 yr\""),
             "dust/dusty-box.toml" | "nbody/eccentric-orbit.toml" => {}
             _ => overrides.push("run.end_time=\"0.2 yr\""),

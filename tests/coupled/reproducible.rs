@@ -29,6 +29,31 @@ fn a_coupled_run_has_the_same_bits_for_1_2_and_7_threads() {
     }
 }
 
+/// Pebbles whose ice goes into the gas.
+const THAWING: [&str; 4] = [
+    "run.end_time=\"0.5 yr\"",
+    "run.snapshots=\"0.1 yr\"",
+    "gas.particles=3000",
+    "dust.particles=2000",
+];
+
+#[test]
+fn a_snow_line_has_the_same_bits_for_any_threads_and_when_its_run_is_resumed() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("a pool");
+        pool.install(|| {
+            let run = bench::run("coupled/snow-line.toml", &THAWING);
+            std::fs::read_to_string(run.path("ledger.csv")).expect("a ledger")
+        })
+    };
+    assert!(run(1) == run(7), "7 threads differ from one");
+    let scene = bench::scene("coupled/snow-line.toml", &THAWING);
+    assert!(bench::resumes(scene, 2.0));
+}
+
 /// A thin, coarse shock tube of 7200 particles, in which all that can be wanted has a memory: sums of pressure, a switch, conducted heat.
 const REMEMBERING: &str = r#"
 [run]

@@ -207,6 +207,13 @@ impl Block {
         }
     }
 
+    /// Asks the members for their masses.
+    pub fn weigh<I: Immersed>(&mut self, immersed: &I) {
+        for row in &mut self.rows {
+            row.m = immersed.mass(row.i as usize);
+        }
+    }
+
     /// Spreads |w| m over the slots.
     pub fn spread_load(&mut self) {
         self.empty_partial();

@@ -70,6 +70,9 @@ impl DustDrag {
             dust: &mut system.dust,
             star,
         };
+        if half == Half::Opening && system.reweighed {
+            self.exchange.reweigh(&system.gas, &grains);
+        }
         let booking = self.exchange.exchange(
             &mut system.gas,
             &mut grains,
@@ -150,6 +153,9 @@ impl BodyDrag {
             h: &mut h,
             star,
         };
+        if half == Half::Opening && system.reweighed {
+            self.exchange.reweigh(&system.gas, &bodies);
+        }
         let booking = self.exchange.exchange(
             &mut system.gas,
             &mut bodies,

@@ -160,10 +160,27 @@ fn gas(rows: &Rows, scene: &Scene) -> Result<Particles, String> {
         m: rows.m.clone(),
         u,
         h,
+        vapour: vapour(rows, scene)?,
         ..Default::default()
     };
     particles.resize(rows.len());
     Ok(particles)
+}
+
+/// What the file brings of vapour, where the scene follows it.
+fn vapour(rows: &Rows, scene: &Scene) -> Result<Vec<f64>, String> {
+    let composition = scene.dust.as_ref().and_then(|dust| dust.composition);
+    if !composition.is_some_and(|composition| composition.sublimation) {
+        return Ok(Vec::new());
+    }
+    let vapour = column(rows, "VapourFractions");
+    match vapour.iter().position(|&f| f > 1.0) {
+        Some(i) => Err(format!(
+            "VapourFractions: entry {i} (from 0) is {:e}; allowed are mass fractions from 0 to 1",
+            vapour[i]
+        )),
+        None => Ok(vapour),
+    }
 }
 
 /// A smoothing length to start the search from: that of a uniform filling of the box around all particles.
@@ -205,6 +222,17 @@ fn dust(rows: &Rows, scene: &Scene) -> Result<Superparticles, String> {
         positive("GrainRadii", &grain_radius, why)?;
         positive("GrainDensities", &grain_density, why)?;
     }
+    let sublimates = dust.composition.is_some_and(|c| c.sublimation);
+    if sublimates {
+        let why = "ice sublimates from the surface of grains";
+        positive("GrainRadii", &grain_radius, why)?;
+        let pure = |mixture: &nbody::points::Vec3| mixture.y + mixture.z <= 0.0;
+        if let Some(i) = rows.composition.iter().position(pure) {
+            return Err(format!(
+                "Compositions: entry {i} (from 0) is nothing but ice, which leaves no core when it sublimates"
+            ));
+        }
+    }
     let mut particles = Superparticles {
         id: rows.id.clone(),
         x: rows.x.clone(),
@@ -212,6 +240,10 @@ fn dust(rows: &Rows, scene: &Scene) -> Result<Superparticles, String> {
         m: rows.m.clone(),
         grain_radius,
         grain_density,
+        composition: match dust.composition {
+            Some(_) => rows.composition.clone(),
+            None => Vec::new(),
+        },
         ..Default::default()
     };
     particles.resize(n);

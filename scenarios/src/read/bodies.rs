@@ -6,6 +6,7 @@ use nbody::integrators::hybrid::cutoff::Cutoff;
 use nbody::integrators::wisdom_holman::jacobi::{Corrector, Kernel, Scheme};
 
 use super::Facts;
+use super::composition::fractions;
 use super::frame::time_step;
 use super::gas::MOST_PARTICLES;
 use crate::reader::{Range, Section};
@@ -290,24 +291,8 @@ fn fragmentation(section: &Section<'_>) -> Collisions {
 /// Mass fractions of ice, rock and iron; what is left out is not there.
 fn composition(bodies: &Section<'_>) -> Option<[f64; 3]> {
     let section = bodies.section("composition");
-    let part = Range {
-        test: |part| (0.0..=1.0).contains(&part),
-        text: "from 0 to 1",
-    };
-    let keys = ["ice", "rock", "iron"];
-    let parts = keys.map(|key| section.number(key, part));
-    let refused = keys
-        .iter()
-        .zip(parts)
-        .any(|(key, part)| section.has(key) && part.is_none());
-    let parts = parts.map(|part| part.unwrap_or(0.0));
-    let sum: f64 = parts.iter().sum();
+    let parts = fractions(&section, ["ice", "rock", "iron"]);
     let present = section.present;
-    if present && !refused && (sum - 1.0).abs() > 1e-9 {
-        let sentence = format!("makes {sum} in sum; the mass fractions ice, rock and iron make 1");
-        let given = keys.into_iter().find(|key| section.has(key));
-        section.wrong(given.unwrap_or("ice"), &sentence);
-    }
     section.close();
     present.then_some(parts)
 }

@@ -1,11 +1,14 @@
 //! The dust of a scene: its disk or blocks, its grains and their drag.
 
 use super::Facts;
+use super::composition::{materials, of_grains};
 use super::gas::{block, disk_particles, softening};
 use super::growth::growth;
 use super::turbulence::turbulence;
 use crate::reader::{Range, Section};
-use crate::scene::{Dust, DustAmount, DustBlock, DustDrag, Gas, Sizes, Softening, Surroundings};
+use crate::scene::{
+    Composition, Dust, DustAmount, DustBlock, DustDrag, Gas, Sizes, Softening, Surroundings,
+};
 use crate::units::{Kind, System};
 
 pub fn dust(
@@ -36,12 +39,14 @@ pub fn dust(
     let disk = gas_radii(gas, surroundings).filter(|_| from_disk);
     let (inner_radius, outer_radius) = radii(&section, disk);
     let stirred = turbulence(&section, drag, facts);
+    let composition = of_grains(&section, facts);
     let dust = Dust {
         particles,
         softening: softening(&section, default),
         amount: amount(&section, from_disk),
         sizes: sizes(&section),
-        material_density: material_density(&section),
+        material_density: material_density(&section, composition),
+        composition,
         scale_height: scale_height(&section, from_disk),
         inner_radius,
         outer_radius,
@@ -126,10 +131,13 @@ fn sizes(section: &Section<'_>) -> Option<Sizes> {
     Some(sizes)
 }
 
-/// Default: 1 g/cm^3, or 1 in a dimensionless scene.
-fn material_density(section: &Section<'_>) -> f64 {
+/// That of the composition; without one, by default 1 g/cm^3, or 1 in a dimensionless scene.
+fn material_density(section: &Section<'_>, composition: Option<Composition>) -> f64 {
     let found = section.quantity("material_density", Kind::DENSITY, Range::POSITIVE);
     let units = section.units();
+    if let Some(composition) = composition {
+        return materials(&units).density(composition.fractions.into());
+    }
     found.unwrap_or_else(|| match units.system {
         System::Dimensionless => 1.0,
         _ => 1.0 / units.cgs(Kind::DENSITY.dimension),

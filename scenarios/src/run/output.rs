@@ -13,7 +13,7 @@ use crate::atomic::publish_bytes;
 use crate::history::{
     EVENT_HEAD, LedgerRow, Phase, Table, Timings, operators, push_event, torques,
 };
-use crate::populate::molecules;
+use crate::populate::sublimation::kelvins;
 use crate::scene::Scene;
 use crate::snapshot::{self, Group};
 use crate::stopwatch::Stopwatch;
@@ -309,8 +309,6 @@ fn dust_numbers(m: &[f64], radius: &[f64], density: &[f64]) -> Vec<f64> {
 
 /// T = mu m_H c^2 / k_B with the isothermal sound speed c, in kelvin; without physical units, k_B = m_H = 1. None of what is no gas.
 fn temperatures(scene: &Scene, system: &System) -> Vec<f64> {
-    /// Boltzmann's constant, erg/K (SI 2019).
-    const BOLTZMANN: f64 = 1.380_649e-16;
     let weight = scene.gas.as_ref().and_then(|gas| gas.mean_molecular_weight);
     let Some(mean_molecular_weight) = weight else {
         return Vec::new();
@@ -318,8 +316,7 @@ fn temperatures(scene: &Scene, system: &System) -> Vec<f64> {
     let factor = if scene.units.system == crate::units::System::Dimensionless {
         mean_molecular_weight
     } else {
-        let speed = scene.units.length / scene.units.time;
-        molecules(scene).mass * scene.units.mass * speed * speed / BOLTZMANN
+        kelvins(scene)
     };
     let d = &system.gas.derived;
     d.p.iter()

@@ -60,7 +60,7 @@ impl Contents {
 }
 
 /// Our name, GADGET's, dimension.
-const MORE: [(&str, &str, Dimension); 16] = [
+const MORE: [(&str, &str, Dimension); 17] = [
     (
         "InternalEnergies",
         "InternalEnergy",
@@ -75,6 +75,7 @@ const MORE: [(&str, &str, Dimension); 16] = [
         "ArtificialViscosity",
         Dimension::NONE,
     ),
+    ("VapourFractions", "VapourFraction", Dimension::NONE),
     ("Radii", "Radius", Dimension::LENGTH),
     ("GrainRadii", "GrainRadius", Dimension::LENGTH),
     ("GrainDensities", "GrainDensity", Dimension::DENSITY),
@@ -210,6 +211,7 @@ fn particles(
         "SmoothingLengths",
         "Densities",
         "GrainDensities",
+        "VapourFractions",
     ] {
         if let Some(values) = more.get(name) {
             not_negative(group, name, values)?;

@@ -8,6 +8,7 @@ mod radial_drift;
 mod settling;
 mod settling_diffusion;
 mod shock;
+mod snow_line;
 mod sod;
 mod streaming;
 mod wave;
@@ -83,6 +84,11 @@ pub const PROBLEMS: &[Problem] = &[
         "dust-growth-barriers",
         "grains that grow in turbulence until they break, against Birnstiel, Klahr & Ercolano (2012); about 1 minute",
         growth::barriers,
+    ),
+    own(
+        "dust-snow-line",
+        "ice that sublimates and recondenses, in boxes by steps of 1e-6 to 1e6 exchange times, and the snow line of a disk; about 1 minute",
+        snow_line::rows,
     ),
     own(
         "dust-cost",

@@ -203,7 +203,9 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
         ),
         None => {}
     }
-    text.number("material_density", dust.material_density);
+    if dust.composition.is_none() {
+        text.number("material_density", dust.material_density);
+    }
     for entry in &dust.blocks {
         text.entry("dust.block");
         write_block(text, &entry.block);
@@ -220,6 +222,14 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
                 text.number(key, own);
             }
         }
+    }
+    if let Some(composition) = &dust.composition {
+        let [ice, silicate, iron] = composition.fractions;
+        text.table("dust.composition");
+        text.number("ice", ice);
+        text.number("silicate", silicate);
+        text.number("iron", iron);
+        text.raw("sublimation", composition.sublimation);
     }
     if dust.turbulence > 0.0 {
         text.table("dust.turbulence");
