@@ -60,15 +60,15 @@ pub fn relax<I: Immersed>(
     // Lanes to spare repeat the last row.
     let row = |lane: usize| &rows[lane.min(rows.len() - 1)];
     let particles: [usize; ABREAST] = std::array::from_fn(|lane| row(lane).i as usize);
-    let abreast = Abreast {
-        law: particles.map(|i| immersed.law(i, *law)),
-        sphere: particles.map(|i| immersed.sphere(i)),
-        gas: std::array::from_fn(|lane| Ambient {
+    let abreast = Abreast::new(
+        particles.map(|i| immersed.law(i, *law)),
+        particles.map(|i| immersed.sphere(i)),
+        std::array::from_fn(|lane| Ambient {
             rho: row(lane).rho,
             c: row(lane).c,
             omega: immersed.omega(particles[lane]),
         }),
-    };
+    );
     nbody::widest!(Level::new(), simd => relax_lanes(simd, rows, &abreast, drive, half));
 }
 
@@ -146,7 +146,7 @@ fn relax_lanes<S: Simd>(simd: S, rows: &mut [Row], abreast: &Abreast, drive: &Dr
         Half::Opening => (u, 0.5),
     };
     let middle = sum(&u, one * sign, &kick);
-    let linear = abreast.law[0].is_linear();
+    let linear = abreast.is_linear();
     let mut relaxed = relaxation(simd, abreast, &start, load * step);
     if !linear {
         // Half of what the kick leaves at the end stands for its effect on the stopping time.

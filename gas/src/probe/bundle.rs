@@ -2,13 +2,17 @@
 //!
 //! The same weights as [`super::Weights`] finds where they are exact for linear fields; it leaves all other points to that.
 
-use fearless_simd::{Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8};
+mod tilt;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, f64x8, mask64x8};
 use nbody::points::{Domain, Vec3};
 
 use super::Reach;
 use super::candidates::Candidates;
-use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff, step};
+use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff};
 use super::weights::MOST_ABSOLUTE;
+use tilt::{Moments, Tilt, dot};
 
 /// How far beyond its last neighbourhood a point is looked around for its new one, by the radius.
 const MARGIN: f64 = 1.03;
@@ -37,27 +41,9 @@ pub struct Bundle {
     row: Vec<[f64; 3]>,
 }
 
-/// Sums over the rows: w, w r and w r r (xx, yy, zz, xy, xz, yz).
-struct Moments<S: Simd> {
-    zeroth: f64x8<S>,
-    first: [f64x8<S>; 3],
-    second: [f64x8<S>; 6],
-}
-
-/// Weights are multiplied by level + slope.x.
-struct Tilt<S: Simd> {
-    level: f64x8<S>,
-    slope: [f64x8<S>; 3],
-}
-
 #[inline(always)]
 fn lanes<S: Simd>(simd: S, values: &Lanes) -> f64x8<S> {
     f64x8::from_slice(simd, values)
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: &[f64x8<S>; 3], b: &[f64x8<S>; 3]) -> f64x8<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 impl Bundle {
@@ -102,11 +88,13 @@ impl Bundle {
         }
         let x = [lanes(simd, &x[0]), lanes(simd, &x[1]), lanes(simd, &x[2])];
         self.distances(candidates, &x);
-        let mut found = self.radius(simd, kernel, &mut start, available, reach.neighbours);
-        let radius = lanes(simd, &start);
+        let start = lanes(simd, &start);
+        let wanted = (available, reach.neighbours);
+        let (radius, mut found) = self.radius(simd, kernel, start, wanted);
         let moments = self.weigh(simd, candidates, kernel, &x, radius);
         (radius * (1.0 / kernel.ratio)).store_slice(&mut self.h);
-        let (tilt, regular) = self.tilt(simd, domain, &x, &moments);
+        let h = lanes(simd, &self.h);
+        let (tilt, regular) = Tilt::of(simd, domain, h, &x, &moments);
         found &= regular;
         found &= self.apply(simd, &tilt, moments.zeroth, found);
         found & (0xff >> (LANES - points.len()))
@@ -169,13 +157,12 @@ impl Bundle {
         &self,
         simd: S,
         kernel: Kernel,
-        radius: &mut Lanes,
-        available: f64,
-        wanted: f64,
-    ) -> u8 {
-        let mut found = 0;
+        mut radius: f64x8<S>,
+        (available, wanted): (f64, f64),
+    ) -> (f64x8<S>, u8) {
+        let mut open = radius.simd_gt(0.0);
         for _ in 0..TRIES {
-            let inverse = f64x8::splat(simd, 1.0) / lanes(simd, radius);
+            let inverse = f64x8::splat(simd, 1.0) / radius;
             let none = f64x8::splat(simd, 0.0);
             let (mut value, mut slope) = (none, none);
             for distance in &self.distance {
@@ -185,28 +172,18 @@ impl Bundle {
                 value = (t3 * t).mul_add(q.mul_add(4.0, 1.0), value);
                 slope = (q * q).mul_add(t3, slope);
             }
-            let (mut number, mut steepness) = ([0.0; LANES], [0.0; LANES]);
-            (value * kernel.central).store_slice(&mut number);
-            (slope * (20.0 * kernel.central)).store_slice(&mut steepness);
-            for lane in 0..LANES {
-                let bit = 1 << lane;
-                if found & bit == 0 {
-                    let close = (number[lane] / wanted - 1.0).abs() < TOLERANCE;
-                    radius[lane] *= step(number[lane], steepness[lane], wanted);
-                    found |= if close { bit } else { 0 };
-                }
-            }
-            if found == 0xff {
+            let number = value * (kernel.central / wanted);
+            let steepness = slope * (20.0 * kernel.central / wanted);
+            radius = open.select(radius * step(simd, number, steepness), radius);
+            open = open & (number - 1.0).abs().simd_ge(TOLERANCE);
+            if open.to_bitmask() == 0 {
                 break;
             }
         }
-        for (lane, radius) in radius.iter_mut().enumerate() {
-            if !(*radius > 0.0 && *radius <= available) {
-                found &= !(1 << lane);
-                *radius = available;
-            }
-        }
-        found
+        let inside = radius.simd_gt(0.0) & radius.simd_le(available);
+        let found = inside.to_bitmask() & !open.to_bitmask();
+        let radius = inside.select(radius, f64x8::splat(simd, available));
+        (radius, found as u8)
     }
 
     /// Lists the gas that is inside of any kernel, with W V / W(0) as weights.
@@ -267,48 +244,6 @@ impl Bundle {
         sums
     }
 
-    /// What makes the weights exact for linear fields, and where that is well posed.
-    #[inline(always)]
-    fn tilt<S: Simd>(
-        &self,
-        simd: S,
-        domain: &Domain,
-        x: &[f64x8<S>; 3],
-        moments: &Moments<S>,
-    ) -> (Tilt<S>, u8) {
-        let h = lanes(simd, &self.h);
-        let square = h * h;
-        let norm = f64x8::splat(simd, 1.0) / moments.zeroth;
-        let [a, b, c] = moments.first;
-        let (a, b, c) = (a * norm, b * norm, c * norm);
-        let [xx, yy, zz, xy, xz, yz] = moments.second;
-        let (xx, yy, zz) = (xx * norm - a * a, yy * norm - b * b, zz * norm - c * c);
-        let (xy, xz, yz) = (xy * norm - a * b, xz * norm - a * c, yz * norm - b * c);
-        let [ox, oy, oz] = domain.axes;
-        let xx = if ox { xx } else { square };
-        let yy = if oy { yy } else { square };
-        let zz = if oz { zz } else { square };
-        // L D L^T of the spread.
-        let (ly, lz) = (xy / xx, xz / xx);
-        let second = yy - ly * xy;
-        let rest = yz - ly * xz;
-        let lyz = rest / second;
-        let third = zz - lz * xz - lyz * rest;
-        let fy = b - ly * a;
-        let fz = c - lz * a - lyz * fy;
-        let sz = -fz / third;
-        let sy = -fy / second - lyz * sz;
-        let sx = -a / xx - ly * sy - lz * sz;
-        let slope = [sx, sy, sz];
-        let level = -dot(&slope, &[a, b, c]) + 1.0;
-        let regular = (xx * second * third).simd_gt(square * square * square * 1e-4)
-            & xx.simd_gt(0.0)
-            & second.simd_gt(0.0);
-        // About the origin of the candidates.
-        let level = level - dot(&slope, x);
-        (Tilt { level, slope }, regular.to_bitmask() as u8)
-    }
-
     /// Tilts the weights of the lanes `served` and brings their sums to one; the others become zero, and those whose weights are too negative.
     #[inline(always)]
     fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, served: u8) -> u8 {
@@ -325,7 +260,7 @@ impl Bundle {
             absolute += w.abs();
         }
         let kept = served & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
-        let mask = fearless_simd::mask64x8::from_bitmask(simd, u64::from(kept));
+        let mask = mask64x8::from_bitmask(simd, u64::from(kept));
         let norm = f64x8::splat(simd, 1.0) / total;
         for weight in &mut self.weight {
             mask.select(lanes(simd, weight) * norm, none)
@@ -333,4 +268,18 @@ impl Bundle {
         }
         kept
     }
+}
+
+/// Factor of a radius by Newton's method in logarithms, from the smooth number by the wanted one and its derivative by ln(radius); exact to
+/// rounding for the last step, and rough far from it.
+#[inline(always)]
+fn step<S: Simd>(simd: S, number: f64x8<S>, slope: f64x8<S>) -> f64x8<S> {
+    // -ln(number) = 2 artanh(z), and exp by its (2, 2) approximant.
+    let one = f64x8::splat(simd, 1.0);
+    let z = (one - number) / (one + number);
+    let z2 = z * z;
+    let log = z * 2.0 * z2.mul_add(z2.mul_add(0.2, 1.0 / 3.0), 1.0);
+    let x = (log * number / slope).max(-1.0).min(1.0);
+    let even = x.mul_add(x, 12.0);
+    (even + x * 6.0) / (even - x * 6.0)
 }
