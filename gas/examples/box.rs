@@ -1,11 +1,11 @@
 //! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
 //!
-//! box [particles a side] [kernel: wendland | cubic] [neighbours] [steps] [precision] [formulation] [viscosity]
+//! box [particles a side] [kernel: wendland | cubic | quintic | c4 | c6] [neighbours] [steps] [precision] [formulation] [viscosity]
 //!     [alpha of conduction] [gradient], as `scheme::set` reads them
 
 use std::f64::consts::TAU;
 
-use gas::{Eos, Gas, Hydro, KernelKind, Particles};
+use gas::{Eos, Gas, Hydro, Particles};
 use nbody::points::clock::{Centre, Pacing};
 use nbody::points::random::{Purpose, stream};
 use nbody::points::{Clock, Columns, Domain, Vec3};
@@ -21,9 +21,7 @@ fn main() {
     };
     let domain = Domain::periodic(Vec3::repeat(1.0));
     let mut hydro = Hydro::new(domain, Eos::Ideal { gamma: 5.0 / 3.0 });
-    if words.get(1).is_some_and(|word| word == "cubic") {
-        hydro.kernel = KernelKind::CubicSpline;
-    }
+    hydro.kernel = scheme::kernel(words.get(1));
     hydro.neighbours = number(2, hydro.neighbours);
     scheme::set(&mut hydro, words.get(4..).unwrap_or_default(), 0.7, 2.0);
     let mut gas = jittered(number(0, 48.0) as usize);

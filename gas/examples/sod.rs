@@ -1,11 +1,11 @@
 //! Sod's shock tube in three dimensions (gamma = 5/3): error norms against the exact solution, and the cost of an update.
 //!
-//! sod [n] [kernel: wendland | cubic] [neighbours] [alpha] [beta] [courant] [precision] [formulation] [viscosity]
+//! sod [n] [kernel: wendland | cubic | quintic | c4 | c6] [neighbours] [alpha] [beta] [courant] [precision] [formulation] [viscosity]
 //!     [alpha of conduction] [gradient], as `scheme::set` reads them
 //! Box 2 x 16/n x 16/n; equal-mass body-centred lattices with cell 1/n at rho 1 and 2/n at rho 1/8; P = 1 and 0.1; t = 0.2.
 //! Norm: volume-weighted mean of |f - exact| over |x - 1| < 0.5.
 
-use gas::{Eos, Gas, Hydro, KernelKind, Particles, alone};
+use gas::{Eos, Gas, Hydro, Particles, alone};
 use nbody::points::{Columns, Domain, Vec3};
 
 mod scheme;
@@ -23,9 +23,7 @@ fn main() {
     let side = 16.0 / n as f64;
     let domain = Domain::periodic(Vec3::new(2.0, side, side));
     let mut hydro = Hydro::new(domain, Eos::Ideal { gamma: GAMMA });
-    if words.get(1).is_some_and(|word| word == "cubic") {
-        hydro.kernel = KernelKind::CubicSpline;
-    }
+    hydro.kernel = scheme::kernel(words.get(1));
     hydro.neighbours = number(2, hydro.neighbours);
     scheme::set(
         &mut hydro,

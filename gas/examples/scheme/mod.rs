@@ -1,6 +1,6 @@
 //! A scheme from words: precision, formulation, viscosity, alpha of conduction, gradient.
 
-use gas::{Conduction, Formulation, Gradient, Hydro, Precision, Viscosity};
+use gas::{Conduction, Formulation, Gradient, Hydro, KernelKind, Precision, Viscosity};
 
 /// Changes `hydro` to what `words` say, in their order: double | single; density | pressure | number | smoothed; none | constant | balsara |
 /// cullen-dehnen | neumann-richtmyer | tensor | planar | planar-switch with `alpha` and `beta`; a number; standard | matrix. What is missing or unknown
@@ -34,5 +34,16 @@ pub fn set(hydro: &mut Hydro, words: &[String], alpha: f64, beta: f64) {
     }
     if word(4) == "matrix" {
         hydro.gradient = Gradient::Matrix;
+    }
+}
+
+/// The kernel of this name: cubic | quintic | c4 | c6; C2 of Wendland's by any other.
+pub fn kernel(word: Option<&String>) -> KernelKind {
+    match word.map_or("", String::as_str) {
+        "cubic" => KernelKind::CubicSpline,
+        "quintic" => KernelKind::QuinticSpline,
+        "c4" => KernelKind::WendlandC4,
+        "c6" => KernelKind::WendlandC6,
+        _ => KernelKind::WendlandC2,
     }
 }

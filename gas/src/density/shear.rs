@@ -60,7 +60,7 @@ impl<S: Simd, E: Real> Shear<S, E> {
         [slope, m_value, sign]: [Lanes<S, E>; 3],
     ) {
         self.signs = m_value.mul_add(sign, self.signs);
-        let weighted = d.map(|d| slope * d);
+        let weighted = [slope * d[0], slope * d[1], slope * d[2]];
         for (sum, (a, b)) in self.dd.iter_mut().zip(PAIRS) {
             *sum = weighted[a].mul_add(d[b], *sum);
         }
