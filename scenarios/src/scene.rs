@@ -6,8 +6,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+mod dust;
 mod growth;
 
+pub use self::dust::{Composition, Dust, DustAmount, DustBlock, DustDrag, Sizes};
 pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
 pub use gas::{
     BackgroundPressure, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity,
@@ -282,92 +284,6 @@ pub struct Hydro {
     pub precision: Precision,
     /// Pressure that forces leave out.
     pub background_pressure: BackgroundPressure,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Dust {
-    /// Superparticles of the disk; zero without one.
-    pub particles: usize,
-    pub softening: Softening,
-    /// Of the disk's dust; `None` without one.
-    pub amount: Option<DustAmount>,
-    /// `None`: the initial file says, or no law needs it.
-    pub sizes: Option<Sizes>,
-    pub material_density: f64,
-    /// `None`: not followed; else the material density follows from it.
-    pub composition: Option<Composition>,
-    /// Dust's scale height by that of the gas.
-    pub scale_height: f64,
-    /// Edges of the dust disk; those of the gas disk unless given. Zero without a disk.
-    pub inner_radius: f64,
-    pub outer_radius: f64,
-    pub blocks: Vec<DustBlock>,
-    pub drag: DustDrag,
-    /// alpha of the turbulence that stirs it; none if zero.
-    pub turbulence: f64,
-    /// `None`: grains stay as they are.
-    pub growth: Option<Growth>,
-}
-
-/// What grains are made of at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Composition {
-    /// Mass fractions of ice, silicate and iron.
-    pub fractions: [f64; 3],
-    /// Whether ice sublimates and vapour condenses.
-    pub sublimation: bool,
-}
-
-/// A block of dust, and what its grains have of their own; the rest they have from the dust.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DustBlock {
-    pub block: Block,
-    pub size: Option<f64>,
-    pub material_density: Option<f64>,
-    /// What the law of drag holds constant: stopping time or Stokes number.
-    pub stopping: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DustAmount {
-    DustToGas(f64),
-    Mass(f64),
-}
-
-/// Radii of grains.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sizes {
-    One(f64),
-    /// dn/ds ~ s^slope.
-    Range {
-        min: f64,
-        max: f64,
-        slope: f64,
-    },
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DustDrag {
-    None,
-    Epstein,
-    Stokes,
-    /// Epstein's and Stokes' laws, joined.
-    Auto,
-    Adachi,
-    ConstantStoppingTime(f64),
-    ConstantStokesNumber(f64),
-    /// a = -coefficient |v| v; coefficient per length.
-    Quadratic(f64),
-}
-
-impl DustDrag {
-    /// Whether it follows from grains and the molecules of the gas.
-    pub fn is_physical(&self) -> bool {
-        matches!(
-            self,
-            Self::Epstein | Self::Stokes | Self::Auto | Self::Adachi
-        )
-    }
 }
 
 /// The generated belt, and how all bodies (planetesimals, planets, star) move.

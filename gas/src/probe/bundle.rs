@@ -175,7 +175,7 @@ impl Bundle {
             let number = value * (kernel.central / wanted);
             let steepness = slope * (20.0 * kernel.central / wanted);
             radius = open.select(radius * step(simd, number, steepness), radius);
-            open = open & (number - 1.0).abs().simd_ge(TOLERANCE);
+            open &= (number - 1.0).abs().simd_ge(TOLERANCE);
             if open.to_bitmask() == 0 {
                 break;
             }
