@@ -54,7 +54,7 @@ fn a_snow_line_has_the_same_bits_for_any_threads_and_when_its_run_is_resumed() {
     assert!(bench::resumes(scene, 2.0));
 }
 
-/// A thin, coarse shock tube of 7200 particles, in which all that can be wanted has a memory: sums of pressure, a switch, conducted heat.
+/// A thin, coarse shock tube of 7200 particles, in which all that can be wanted has a memory: sums of pressure, a switch, conducted heat, a background.
 const REMEMBERING: &str = r#"
 [run]
 end_time = 0.08
@@ -84,6 +84,7 @@ gamma = 1.6666666666666667
 [gas.hydro]
 formulation = "pressure"
 precision = "single"
+background_pressure = "least"
 [gas.viscosity]
 kind = "cullen-dehnen"
 [gas.conduction]
