@@ -56,7 +56,10 @@ pub fn resumes(scene: Scene, intervals: f64) -> bool {
     assert!(!again.exists(), "the run has not stopped before its end");
     run::resume(folder.path(), &options(None)).unwrap_or_else(|error| panic!("{error}"));
     let of = |path: &Path| snapshot::read(path, None).unwrap_or_else(|error| panic!("{error}"));
-    of(&again).groups == of(&last).groups
+    let ledger = |path: &Path| std::fs::read_to_string(path).expect("a ledger");
+    let books = [whole.path("ledger.csv"), folder.path().join("ledger.csv")];
+    let [straight, resumed] = books.each_ref().map(|path| ledger(path));
+    of(&again).groups == of(&last).groups && straight == resumed
 }
 
 /// Runs a scene given as text.
