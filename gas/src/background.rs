@@ -14,6 +14,7 @@ use crate::{Gas, Hydro};
 /// The pressure that forces leave out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BackgroundPressure {
+    /// This one, code units of pressure (in the plane, of energy an area).
     Fixed(f64),
     /// A part of the least pressure of the gas; nothing where a side is open, since a vacuum is around.
     Least,
@@ -33,6 +34,7 @@ impl BackgroundPressure {
 /// The background of the present base step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Background {
+    /// Code units.
     pub pressure: f64,
     /// Sum of the particles' volumes at the begin of the base step; zero before the first.
     pub volume: f64,

@@ -3,7 +3,7 @@
 //! m_i dv_i/dt = -sum_j [ x_i (x_j - g_i) P_i/y_i^2 grad W(r, H_i) + x_j (x_i - g_j) P_j/y_j^2 grad W(r, H_j) + m_i m_j Pi_ij grad W_ij ]
 //! m_i du_i/dt =  sum_j [ x_i (x_j - g_i) P_i/y_i^2 grad W(r, H_i) + m_i m_j Pi_ij grad W_ij / 2 ] . v_ij + conducted heat
 //!
-//! with x, y of the [`formulation`](crate::formulation), and W_ij the mean of the two kernels. Both members of a pair compute the same force from the same numbers. A pair steps with the
+//! with x, y of the [`formulation`](crate::formulation), and W_ij the mean of the two kernels; forces have P less a [`background`](crate::background). Both members of a pair compute the same force from the same numbers. A pair steps with the
 //! shorter step of the two: its force counts where at least one member is active, and the impulse goes to both.
 //! Sources: Springel & Hernquist (2002); Hopkins (2013); pairwise steps: Saitoh & Makino (2009, 2010).
 

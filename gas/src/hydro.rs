@@ -37,6 +37,7 @@ pub struct Hydro {
     pub physical: Physical,
     /// Without effect on gas that is bound to a temperature.
     pub conduction: Conduction,
+    /// A uniform pressure that forces leave out, see [`crate::background`].
     pub background_pressure: BackgroundPressure,
     /// C in dt <= 2 C h / v_sig; v_sig is about twice the sound speed.
     pub courant: f64,

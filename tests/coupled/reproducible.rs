@@ -2,26 +2,27 @@
 
 use crate::bench;
 
+/// The ledger of a run of a scene with some keys and so many threads.
+fn ledger(threads: usize, scene: &str, keys: &[&str]) -> String {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("a pool");
+    pool.install(|| {
+        let run = bench::run(scene, keys);
+        std::fs::read_to_string(run.path("ledger.csv")).expect("a ledger")
+    })
+}
+
 #[test]
 fn a_coupled_run_has_the_same_bits_for_1_2_and_7_threads() {
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
-        pool.install(|| {
-            let run = bench::run(
-                "coupled/embryo-in-disk.toml",
-                &[
-                    "run.end_time=\"0.1 yr\"",
-                    "gas.particles=3000",
-                    "dust.particles=1000",
-                    "run.snapshots=\"none\"",
-                ],
-            );
-            std::fs::read_to_string(run.path("ledger.csv")).expect("a ledger")
-        })
-    };
+    let keys = [
+        "run.end_time=\"0.1 yr\"",
+        "gas.particles=3000",
+        "dust.particles=1000",
+        "run.snapshots=\"none\"",
+    ];
+    let run = |threads| ledger(threads, "coupled/embryo-in-disk.toml", &keys);
     let one = run(1);
     assert!(one.lines().count() > 5);
     for threads in [2, 7] {
@@ -39,16 +40,7 @@ const THAWING: [&str; 4] = [
 
 #[test]
 fn a_snow_line_has_the_same_bits_for_any_threads_and_when_its_run_is_resumed() {
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
-        pool.install(|| {
-            let run = bench::run("coupled/snow-line.toml", &THAWING);
-            std::fs::read_to_string(run.path("ledger.csv")).expect("a ledger")
-        })
-    };
+    let run = |threads| ledger(threads, "coupled/snow-line.toml", &THAWING);
     assert!(run(1) == run(7), "7 threads differ from one");
     let scene = bench::scene("coupled/snow-line.toml", &THAWING);
     assert!(bench::resumes(scene, 2.0));
