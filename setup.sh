@@ -92,7 +92,7 @@ case "${1:-}" in
     need_build
     need_valgrind
     need_python
-    cargo test --release --workspace
+    cargo test --release --workspace --no-fail-fast
     .venv/bin/python -m pytest -q tests/rebound
     ;;
   *)

@@ -1,33 +1,14 @@
 //! Plans: what they say of steps, cost, memory and files, against runs as the operating system counts them.
 
+mod counted;
+
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use tempfile::TempDir;
 
-/// CPU time and most memory of a run that ends well.
-#[expect(clippy::zombie_processes, reason = "wait4 waits for it")]
-fn usage(arguments: &[&str]) -> [f64; 2] {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tridisk"));
-    let child = command.args(arguments).spawn().expect("the program starts");
-    // SAFETY: all zeros is a value of this plain struct.
-    let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
-    let (pid, mut status) = (child.id() as libc::pid_t, 0);
-    // SAFETY: both references outlive the call, and nobody else waits for this child.
-    let ended = unsafe { libc::wait4(pid, &raw mut status, 0, &raw mut usage) };
-    assert_eq!((ended, status), (pid, 0), "the run ends well");
-    let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
-    let unit = if cfg!(target_os = "macos") {
-        1.0
-    } else {
-        1024.0
-    };
-    [
-        seconds(usage.ru_utime) + seconds(usage.ru_stime),
-        unit * usage.ru_maxrss as f64,
-    ]
-}
+use counted::usage;
 
 fn number(text: &str, key: &str) -> f64 {
     let all: serde_json::Value = serde_json::from_str(text).expect("JSON");
@@ -65,7 +46,7 @@ fn ratios(scene: &Path, set: &[&str]) -> [f64; 4] {
         &output,
     ];
     set.iter().for_each(|key| arguments.extend(["--set", key]));
-    let [cpu, memory] = usage(&arguments);
+    let used = usage(&arguments);
     let text = fs::read_to_string(folder.path().join("timings.json")).expect("timings");
     let files = fs::read_dir(folder.path()).expect("files");
     let disk: u64 = files
@@ -73,87 +54,109 @@ fn ratios(scene: &Path, set: &[&str]) -> [f64; 4] {
         .sum();
     let ratios = [
         number(&text, "steps") / number(&plan, "steps"),
-        cpu / number(&plan, "cpu_s"),
-        memory / number(&plan, "memory_bytes"),
+        used.cpu_s / number(&plan, "cpu_s"),
+        used.bytes / number(&plan, "memory_bytes"),
         disk as f64 / number(&plan, "disk_bytes"),
     ];
     println!(
-        "{name} {set:?}: {cpu:.2} s, {:.0} MB; by the plan {ratios:.3?}",
-        memory / 1e6
+        "{name} {set:?}: {:.2} s, {:.0} MB; by the plan {ratios:.3?}",
+        used.cpu_s,
+        used.bytes / 1e6
     );
     ratios
 }
 
-fn check(scene: &str, set: &[&str]) {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join(scene);
-    let [steps, rest @ ..] = ratios(&scene, set);
-    assert!((steps - 1.0).abs() < 0.02, "steps: {steps}");
-    for (what, ratio) in ["CPU time", "memory", "disk"].iter().zip(rest) {
-        assert!(ratio > 1.0 / 1.5 && ratio < 1.5, "{what}: {ratio}");
+/// A scene of the project with settings of its own.
+type Case<'a> = (&'a str, &'a [&'a str]);
+
+const BAR: f64 = 1.5;
+
+fn is_near(ratio: f64) -> bool {
+    ratio > 1.0 / BAR && ratio < BAR
+}
+
+/// One measurement; if that is beyond the bar, the median of three: other work on the machine lasts for seconds.
+fn median(mut measure: impl FnMut() -> [f64; 4]) -> [f64; 4] {
+    let first = measure();
+    if first.iter().all(|&ratio| is_near(ratio)) {
+        return first;
     }
+    let all = [first, measure(), measure()];
+    std::array::from_fn(|i| {
+        let mut of_one = all.map(|ratios| ratios[i]);
+        of_one.sort_by(f64::total_cmp);
+        of_one[1]
+    })
+}
+
+/// Runs the scenes one after the other, and complains at the end alone: a panic with its backtrace makes this process larger than what it
+/// measures.
+fn check(cases: &[Case]) {
+    let mut complaints = Vec::new();
+    for &(scene, set) in cases {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(scene);
+        let [steps, rest @ ..] = median(|| ratios(&path, set));
+        if (steps - 1.0).abs() >= 0.02 {
+            complaints.push(format!("{scene}: steps: {steps}"));
+        }
+        for (what, ratio) in ["CPU time", "memory", "disk"].iter().zip(rest) {
+            if !is_near(ratio) {
+                complaints.push(format!("{scene}: {what}: {ratio}"));
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "{complaints:#?}");
 }
 
 #[test]
-fn of_a_belt() {
-    check(
-        "nbody/belt.toml",
-        &["planetesimals.number=1000", "run.end_time=\"2 yr\""],
-    );
-}
-
-#[test]
-fn of_planets() {
-    check(
-        "nbody/outer-solar-system.toml",
-        &["run.end_time=\"20000 yr\"", "run.snapshots=\"2000 yr\""],
-    );
-}
-
-#[test]
-fn of_a_disk_of_gas() {
-    check(
-        "gas/disk.toml",
-        &["gas.particles=3000", "run.end_time=\"0.8 yr\""],
-    );
-}
-
-#[test]
-fn of_all_together() {
-    check(
-        "coupled/minimum-mass-disk.toml",
-        &[
-            "gas.particles=3000",
-            "dust.particles=1500",
-            "planetesimals.number=300",
-            "run.end_time=\"0.6 yr\"",
-        ],
-    );
-}
-
-#[test]
-fn of_grains_in_a_box() {
-    check("dust/dusty-box.toml", &[]);
+fn of_small_scenes() {
+    check(&[
+        (
+            "nbody/belt.toml",
+            &["planetesimals.number=1000", "run.end_time=\"2 yr\""],
+        ),
+        (
+            "nbody/outer-solar-system.toml",
+            &["run.end_time=\"20000 yr\"", "run.snapshots=\"2000 yr\""],
+        ),
+        (
+            "gas/disk.toml",
+            &["gas.particles=3000", "run.end_time=\"0.8 yr\""],
+        ),
+        (
+            "coupled/minimum-mass-disk.toml",
+            &[
+                "gas.particles=3000",
+                "dust.particles=1500",
+                "planetesimals.number=300",
+                "run.end_time=\"0.6 yr\"",
+            ],
+        ),
+        ("dust/dusty-box.toml", &[]),
+    ]);
+    a_thinned_sample_foresees_the_whole();
 }
 
 /// Scenes on which no constant of the plan was found; a minute.
 #[test]
 #[ignore = "for the table of the README"]
 fn of_scenes_that_nothing_was_fitted_to() {
-    check("gas/shearing-box.toml", &[]);
-    check("dust/growth.toml", &[]);
-    check("dust/settling-disk.toml", &[]);
-    check("nbody/colliding-belt.toml", &[]);
-    check("nbody/drag-decay.toml", &[]);
-    check("coupled/embryo-in-disk.toml", &[]);
-    check(
-        "nbody/million-planetesimals.toml",
-        &["run.end_time=\"0.04 yr\""],
-    );
+    check(&[
+        ("gas/shearing-box.toml", &[]),
+        ("dust/growth.toml", &[]),
+        ("dust/settling-disk.toml", &[]),
+        ("nbody/colliding-belt.toml", &[]),
+        ("nbody/drag-decay.toml", &[]),
+        ("coupled/embryo-in-disk.toml", &[]),
+        (
+            "nbody/million-planetesimals.toml",
+            &["run.end_time=\"0.04 yr\""],
+        ),
+    ]);
 }
 
-#[test]
+/// The plan of many from a few.
 fn a_thinned_sample_foresees_the_whole() {
-    // The plan of many from a few: what the same plan says when it may start them all.
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("nbody/million-planetesimals.toml");
     let of = |number: u32| {
         let count = format!("planetesimals.number={number}");
@@ -164,11 +167,13 @@ fn a_thinned_sample_foresees_the_whole() {
     assert_eq!(both("sampled_part"), [1.0, 0.5]);
     let steps = both("steps");
     assert_eq!(steps[0], steps[1]);
-    let [some, twice] = both("cpu_s");
-    println!("twice the particles cost {:.3} times as much", twice / some);
-    // N log N: 2.12.
-    let by = twice / some / 2.12;
-    assert!(by > 1.0 / 1.5 && by < 1.5, "{by}");
+    let cost = median(|| {
+        let [some, twice] = [number(&of(200_000), "cpu_s"), number(&of(400_000), "cpu_s")];
+        println!("twice the particles cost {:.3} times as much", twice / some);
+        // N log N: 2.12.
+        [1.0, twice / some / 2.12, 1.0, 1.0]
+    })[1];
+    assert!(is_near(cost), "{cost}");
 }
 
 #[test]
