@@ -5,7 +5,9 @@
 //! heated by all of P, so that its state stays right: kinetic and internal energy then lose P_0 d(sum V), which is booked and stays
 //! within what the sum of volumes may vary by.
 //!
-//! `Least` follows the least pressure there is, and is set anew at the ends of base steps.
+//! `Least` is a part of the least P exp(-G max(0, div v) H / c), G = rho c^2 / P: of the least pressure there will be when sound has crossed
+//! the kernel, since gas that expands faster leaves voids, whose edges feel nothing of a pressure all around. It is set anew at the ends of
+//! base steps, and in between where gas falls below it: particles that pull at each other do not stay in order.
 
 use nbody::points::{Clock, sum};
 
@@ -16,11 +18,11 @@ use crate::{Gas, Hydro};
 pub enum BackgroundPressure {
     /// This one, code units of pressure (in the plane, of energy an area).
     Fixed(f64),
-    /// A part of the least pressure of the gas; nothing where a side is open, since a vacuum is around.
+    /// A part of the least pressure that the gas will have; nothing where a side is open, since a vacuum is around.
     Least,
 }
 
-/// The part: pressures may fall during a base step.
+/// The part: pressures may fall during a step.
 const PART: f64 = 0.95;
 
 impl BackgroundPressure {
@@ -36,26 +38,29 @@ impl BackgroundPressure {
 pub struct Background {
     /// Code units.
     pub pressure: f64,
-    /// Sum of the particles' volumes at the begin of the base step; zero before the first.
+    /// Sum of the particles' volumes when it was set; zero before the first time.
     pub volume: f64,
     /// What kinetic and internal energy have lost to it since it was last asked for.
     pub work: f64,
 }
 
 impl Gas {
-    /// Sets the background where a base step ends.
+    /// Sets the background for the forces of this tick.
     pub(crate) fn set_background(&mut self, hydro: &Hydro, clock: &Clock) {
-        if !hydro.background_pressure.is_some() || !clock.synchronous() {
+        let wanted = hydro.background_pressure;
+        if !wanted.is_some() {
             return;
         }
-        let (p, last) = (&self.derived.p, self.background);
-        let pressure = match hydro.background_pressure {
-            BackgroundPressure::Fixed(pressure) => pressure,
-            BackgroundPressure::Least if hydro.domain.volume().is_infinite() => 0.0,
-            BackgroundPressure::Least => {
-                PART * p.iter().copied().fold(f64::INFINITY, f64::min).max(0.0)
-            }
+        let (part, most) = match wanted {
+            BackgroundPressure::Fixed(pressure) => (1.0, pressure),
+            BackgroundPressure::Least if hydro.domain.volume().is_infinite() => (PART, 0.0),
+            BackgroundPressure::Least => (PART, self.least_pressure(hydro.support())),
         };
+        let last = self.background;
+        if !clock.synchronous() && most >= last.pressure {
+            return;
+        }
+        let pressure = part * most;
         let volume = if hydro.eos.is_free() {
             self.volume(hydro)
         } else {
@@ -66,6 +71,20 @@ impl Gas {
         }
         self.background.pressure = pressure;
         self.background.volume = volume;
+    }
+
+    /// The least pressure of the active particles a sound crossing from now; zero where it is negative.
+    fn least_pressure(&self, support: f64) -> f64 {
+        let (derived, h) = (&self.derived, &self.particles.h);
+        let expected = |&i: &u32| {
+            let i = i as usize;
+            let (p, cs) = (derived.p[i], derived.cs[i]);
+            let crossing = support * h[i] / cs;
+            let fall = derived.rho[i] * cs * cs / p * derived.div_v[i].max(0.0) * crossing;
+            if p > 0.0 { p * (-fall).exp() } else { 0.0 }
+        };
+        let active = self.vicinity.active.iter().map(expected);
+        active.fold(f64::INFINITY, f64::min)
     }
 
     /// What kinetic and internal energy have lost to the background since the last call.
@@ -87,5 +106,47 @@ impl Gas {
                 sum + m[i] / rho[i] * share
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nbody::points::{Domain, Vec3};
+
+    use super::*;
+    use crate::samples::{hydro, noisy};
+
+    #[test]
+    fn gas_that_falls_below_the_background_lowers_it_within_a_base_step() {
+        let hydro = Hydro {
+            background_pressure: BackgroundPressure::Least,
+            ..hydro(Domain::periodic(Vec3::repeat(1.0)))
+        };
+        let mut gas = noisy(&hydro.domain, 6, 1.0);
+        let mut clock = Clock::standing(0.0);
+        gas.density(&hydro, &clock, Vec3::zeros())
+            .expect("a density");
+        // Nothing expands.
+        gas.derived.div_v.fill(-1.0);
+        gas.set_background(&hydro, &clock);
+        let first = gas.background;
+        assert!(first.pressure > 0.0 && first.volume > 0.0);
+        (clock.end, clock.tick) = (1.0, 64);
+        let thin = 0.5 * first.pressure;
+        gas.derived.p[7] = thin;
+        gas.vicinity.active = vec![6, 8];
+        gas.set_background(&hydro, &clock);
+        assert_eq!(gas.background, first);
+        gas.vicinity.active = vec![6, 7];
+        gas.set_background(&hydro, &clock);
+        assert_eq!(gas.background.pressure, 0.95 * thin);
+        // A void opens about one that expands as fast as sound crosses its kernel.
+        let fall = |gas: &Gas| {
+            gas.derived.rho[7] * gas.derived.cs[7] * hydro.support() * gas.particles.h[7] / thin
+        };
+        gas.derived.div_v[7] = 3.0 / fall(&gas);
+        gas.set_background(&hydro, &clock);
+        let expected = 0.95 * thin * (-3.0f64).exp();
+        assert!((gas.background.pressure / expected - 1.0).abs() < 1e-12);
     }
 }

@@ -104,10 +104,13 @@ enum Command {
     Trade(TradeArguments),
     /// Run built-in problems against their exact or published answers and print tables; all of them without a name
     #[command(
-        after_help = "Examples:\n  tridisk verify stirring\n  tridisk verify gas --set gas.viscosity.kind=balsara --pictures pictures\n  tridisk verify gas-sod"
+        after_help = "Examples:\n  tridisk verify stirring\n  tridisk verify gas --set gas.viscosity.kind=balsara --pictures pictures\n  tridisk verify gas-sod --recommended"
     )]
     Verify {
         names: Vec<String>,
+        /// Run the problems of the gas by the scheme recommended for shocks, contacts and vortices alike
+        #[arg(long)]
+        recommended: bool,
         /// Override a key of gas.hydro, gas.viscosity or gas.conduction in the problems of the gas
         #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
         set: Vec<String>,
@@ -238,10 +241,11 @@ fn look(command: Command) -> Result<(), Failure> {
         }
         Command::Verify {
             names,
+            recommended,
             set,
             pictures,
         } => {
-            let all = verify::verify(&names, &set, pictures.as_deref());
+            let all = verify::verify(&names, recommended, &set, pictures.as_deref());
             if all.map_err(Failure::Refused)? {
                 return Ok(());
             }

@@ -193,7 +193,7 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     own(
         "keplerian-ring",
-        "a cold ring of 16 000 particles, formulation by viscosity: orbits survived, torques, noise; hours",
+        "a cold ring of 16 000 particles, gradients by viscosity: orbits survived, torques, noise; hours",
         ring::rows,
     ),
     own(
@@ -263,7 +263,7 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     of_scheme(
         "gas-kelvin-helmholtz",
-        "smooth shear layers (McNally et al. 2012), 24 576 particles to t = 1.5",
+        "smooth shear layers (McNally et al. 2012), 24 576 and 55 296 particles and the plane, to t = 1.5",
         gas::shear_layer::of,
     ),
     of_scheme(
@@ -314,7 +314,7 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     of_scheme(
         "gas-evrard",
-        "cold collapse of 14 328 and of twice as many particles to t = 0.8",
+        "cold collapse of 14 328 and of 102 208 particles to t = 0.8",
         gas::evrard::of,
     ),
     of_scheme(
@@ -364,15 +364,20 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Problem>, String> {
 }
 
 /// Runs the problems named, all if none is; prints a table of each as it is done. Answers whether all were at least acceptable.
-pub fn verify(names: &[String], set: &[String], pictures: Option<&Path>) -> Result<bool, String> {
+pub fn verify(
+    names: &[String],
+    is_recommended: bool,
+    set: &[String],
+    pictures: Option<&Path>,
+) -> Result<bool, String> {
     let problems = chosen(names)?;
-    let scheme = Scheme::new(set, pictures)?;
+    let scheme = Scheme::new(is_recommended, set, pictures)?;
     let mut verdicts = Vec::new();
     if let Some(other) = problems.iter().find(|p| !matches!(p.rows, Rows::Of(_)))
-        && (!set.is_empty() || pictures.is_some())
+        && (is_recommended || !set.is_empty() || pictures.is_some())
     {
         return Err(format!(
-            "--set and --pictures belong to gas and the problems gas-...; \"{}\" takes neither",
+            "--recommended, --set and --pictures belong to gas and the problems gas-...; \"{}\" takes none of them",
             other.name
         ));
     }
@@ -465,11 +470,11 @@ mod tests {
     fn an_unknown_problem_is_refused_with_the_known_ones() {
         let refused = |name: &str, set: &[&str]| {
             let set: Vec<String> = set.iter().map(|key| key.to_string()).collect();
-            verify(&[name.to_string()], &set, None).expect_err("a refusal")
+            verify(&[name.to_string()], false, &set, None).expect_err("a refusal")
         };
         let refusal = refused("stiring", &[]);
         assert!(refusal.contains("\"stiring\"") && refusal.contains("stirring-two-masses"));
         let refusal = refused("stirring", &["gas.viscosity.kind=balsara"]);
-        assert!(refusal.contains("\"stirring\" takes neither"));
+        assert!(refusal.contains("\"stirring\" takes none of them"));
     }
 }

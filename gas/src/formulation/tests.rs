@@ -3,8 +3,8 @@
 use nbody::points::{Clock, Columns, Domain, Vec3};
 
 use crate::probe::isothermal;
-use crate::samples::{hydro, lattice, noise, noisy, still};
-use crate::{Conduction, Formulation, Gas, Hydro, Precision, Viscosity, alone};
+use crate::samples::{GAMMA, hydro, lattice, noise, noisy, still};
+use crate::{Conduction, Eos, Formulation, Gas, Hydro, Precision, Viscosity, alone};
 
 /// Settings in which everything is at work.
 fn all(domain: Domain, precision: Precision) -> Hydro {
@@ -143,6 +143,43 @@ fn between_its_ticks_gas_keeps_the_pressure_of_its_sum() {
         let square = hydro.eos.pressure(1.0, gas.rates.u_pred[i]);
         assert!((isothermal(&gas, i) / square - 1.0).abs() < 1e-14);
     }
+}
+
+#[test]
+fn isothermal_gas_of_equal_masses_has_one_formulation() {
+    let domain = Domain::periodic(Vec3::repeat(1.0));
+    let eos = Eos::Isothermal {
+        sound_speed: 0.5,
+        gamma: GAMMA,
+    };
+    let accelerations = |formulation, exponent| {
+        let hydro = Hydro {
+            formulation,
+            exponent,
+            tolerance: 1e-12,
+            ..Hydro::new(domain, eos.clone())
+        };
+        let mut gas = noisy(&domain, 8, 0.0);
+        gas.particles.m.fill(1.0);
+        let clock = Clock::standing(0.0);
+        gas.density(&hydro, &clock, Vec3::zeros())
+            .expect("a density");
+        gas.forces(&hydro, &clock, &clock);
+        gas.rates.hydro
+    };
+    let density = accelerations(Formulation::Density, 1.0);
+    let most = density.iter().map(|a| a.norm()).fold(0.0, f64::max);
+    let apart = |other: &[Vec3]| {
+        let differences = density.iter().zip(other).map(|(a, b)| (a - b).norm());
+        differences.fold(0.0, f64::max) / most
+    };
+    for formulation in Formulation::ALL {
+        let difference = apart(&accelerations(formulation, 1.0));
+        println!("{formulation:?} {difference:e}");
+        assert!(difference < 1e-12, "{formulation:?} {difference:e}");
+    }
+    // Powers of the pressure are no such sums.
+    assert!(apart(&accelerations(Formulation::Pressure, 0.5)) > 1e-3);
 }
 
 #[test]

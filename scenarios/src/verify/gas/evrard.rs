@@ -99,9 +99,9 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-/// By any scheme, 14 328 particles for the error of the energy and twice as many for the energies.
+/// By any scheme, 14 328 particles for the error of the energy and 102 208 for the energies.
 pub fn of(scheme: &Scheme) -> Vec<Row> {
-    let [small, end] = [30, 38].map(|cells| scheme.end(&scene(cells), 0.8, sphere));
+    let [small, end] = [30, 58].map(|cells| scheme.end(&scene(cells), 0.8, sphere));
     profiles(scheme, "gas-evrard", "Evrard's collapse, t = 0.8", || {
         let quantities: [(&str, Quantity); 2] = [
             ("log density", |p| p.rho.log10()),

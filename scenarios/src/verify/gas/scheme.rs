@@ -1,7 +1,7 @@
 //! A scheme: the hydrodynamics with which the battery of the gas is run, and where pictures of it go.
 //!
-//! Its keys are those of [gas.hydro], [gas.viscosity] and [gas.conduction]. The number of neighbours is one in space; in the plane
-//! the kernel has the same reach by the distance of neighbours: N_2 = pi (3 N_3 / 4 pi)^(2/3).
+//! Its keys are those of [gas.hydro], [gas.viscosity] and [gas.conduction]. A number of neighbours is one in space; in the plane
+//! the kernel has the same reach by the distance of neighbours: N_2 = pi (3 N_3 / 4 pi)^(2/3). The recommended scheme has a number for each.
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -15,15 +15,30 @@ use crate::trial::Trial;
 const TABLES: [&str; 3] = ["gas.hydro.", "gas.viscosity.", "gas.conduction."];
 const NEIGHBOURS: &str = "gas.hydro.neighbours";
 
+/// The scheme recommended for flows in which shocks, contacts and vortices count alike, in space and in the plane.
+const RECOMMENDED: [&str; 5] = [
+    "gas.hydro.formulation=pressure",
+    "gas.hydro.kernel=quintic-spline",
+    "gas.hydro.background_pressure=least",
+    "gas.hydro.precision=single",
+    "gas.viscosity.alpha=2",
+];
+const RECOMMENDED_NEIGHBOURS: [&str; 2] = ["gas.hydro.neighbours=76", "gas.hydro.neighbours=42"];
+
 pub struct Scheme {
-    /// As of `--set`.
+    is_recommended: bool,
+    /// As of `--set`: they outrank the recommended ones.
     keys: Vec<String>,
     pictures: Option<PathBuf>,
 }
 
 impl Scheme {
-    /// The scheme of these keys, or what is wrong with them.
-    pub fn new(set: &[String], pictures: Option<&Path>) -> Result<Self, String> {
+    /// The default scheme or the recommended one with these keys, or what is wrong with them.
+    pub fn new(
+        is_recommended: bool,
+        set: &[String],
+        pictures: Option<&Path>,
+    ) -> Result<Self, String> {
         if let Some(other) = set
             .iter()
             .find(|key| !TABLES.iter().any(|t| key.starts_with(t)))
@@ -33,6 +48,7 @@ impl Scheme {
             ));
         }
         let scheme = Self {
+            is_recommended,
             keys: set.to_vec(),
             pictures: pictures.map(Path::to_path_buf),
         };
@@ -61,7 +77,13 @@ impl Scheme {
             },
             _ => key.clone(),
         };
-        self.keys.iter().map(key).collect()
+        let mut keys: Vec<String> = Vec::new();
+        if self.is_recommended {
+            keys.extend(RECOMMENDED.map(str::to_owned));
+            keys.push(RECOMMENDED_NEIGHBOURS[usize::from(is_plane)].to_owned());
+        }
+        keys.extend(self.keys.iter().map(key));
+        keys
     }
 
     /// What a scene is at the start and at each of the times, its gas changed by `prepare` before the start.
@@ -107,7 +129,7 @@ mod tests {
 
     fn scheme(keys: &[&str]) -> Result<Scheme, String> {
         let keys: Vec<String> = keys.iter().map(|key| key.to_string()).collect();
-        Scheme::new(&keys, None)
+        Scheme::new(false, &keys, None)
     }
 
     #[test]
@@ -125,5 +147,22 @@ mod tests {
         assert_eq!(scheme.keys_of(&cube(3)), ["gas.hydro.neighbours=140"]);
         // H is 3.2211 distances: 32.59 within a disk.
         assert_eq!(scheme.keys_of(&cube(2)), ["gas.hydro.neighbours=32.6"]);
+    }
+
+    #[test]
+    fn keys_of_ones_own_outrank_the_recommended_ones() {
+        let keys = ["gas.hydro.neighbours=100", "gas.viscosity.kind=none"].map(str::to_owned);
+        let scheme = Scheme::new(true, &keys, None).expect("a scheme");
+        for (dimensions, neighbours) in [(3, 100.0), (2, 26.0)] {
+            let text = cube(dimensions);
+            let parsed = Scene::parse(&text, "scheme", Path::new("."), &scheme.keys_of(&text));
+            let gas = parsed.expect("a scene").gas.expect("gas");
+            assert_eq!(gas.hydro.neighbours, neighbours);
+        }
+        let plain = Scheme::new(true, &[], None).expect("a scheme");
+        assert_eq!(
+            plain.keys_of(&cube(2)).last().map(String::as_str),
+            Some("gas.hydro.neighbours=42")
+        );
     }
 }

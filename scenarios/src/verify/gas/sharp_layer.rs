@@ -1,8 +1,10 @@
 //! The Kelvin-Helmholtz instability of sharp layers in the plane: density contrasts of 2 and 8, v_x = 0.5 outside and -0.5 inside, P = 2.5.
 //!
-//! v_y = 0.025 sin(-+2 pi x / lambda), lambda = 1/6, within 0.025 of each face. Growth: slope of the logarithm of the Fourier mode of v_y within lambda/4
+//! v_y = A sin(-+2 pi x / lambda), lambda = 1/6, within 0.025 of each face. Growth: slope of the logarithm of the Fourier mode of v_y within lambda/4
 //! of a face, by volume, at eight times from 0.3 to 1 tau, tau = lambda (r + s) / (sqrt(r s) |dv|), mean of both faces. Exact, of a compressible sheet:
 //! r (w - k U)^2 / q + s (w - k V)^2 / p = 0, q^2 = k^2 - (w - k U)^2 / c^2. Equal masses on square lattices, 128 or 96 a side of the thin gas.
+//! The published A = 0.025 would grow to six times the difference of the velocities within these times: billows end it at a tenth of them. Linear
+//! theory is compared with a tenth of that A; of the published one the growth, the same slope and the pictures are told.
 //! Sources: Saitoh & Makino (2013), ApJ 768, 44, section 5.5; Price (2008), JCP 227, 10040; Landau & Lifshitz, section 84.
 
 use std::f64::consts::TAU;
@@ -17,6 +19,9 @@ const P: f64 = 2.5;
 const GAMMA: f64 = 5.0 / 3.0;
 const WAVELENGTH: f64 = 1.0 / 6.0;
 const LAYER: f64 = 0.025;
+/// A of the publications, and one with which waves remain small.
+const AMPLITUDE: f64 = 0.025;
+const SMALL: f64 = 0.0025;
 
 pub fn contrast_2(scheme: &Scheme) -> Vec<Row> {
     rows(scheme, "gas-contrast-2", 2.0, 128)
@@ -47,13 +52,13 @@ fn scene(contrast: f64, n: u32) -> String {
     )
 }
 
-fn start(gas: &mut Particles) {
+fn start(gas: &mut Particles, amplitude: f64) {
     for i in 0..gas.x.len() {
         let (x, y) = (gas.x[i].x, gas.x[i].y);
         let face = 0.25 - (y - 0.5).abs();
         if face.abs() < LAYER {
             // Upper and lower face are perturbed in opposite directions.
-            gas.v[i].y = -0.025 * (TAU * x / WAVELENGTH).sin() * (y - 0.5).signum();
+            gas.v[i].y = -amplitude * (TAU * x / WAVELENGTH).sin() * (y - 0.5).signum();
         }
     }
 }
@@ -69,12 +74,19 @@ fn mode(end: &End, side: f64) -> f64 {
     part(f64::sin).hypot(part(f64::cos))
 }
 
+/// The Fourier modes of both faces at the times of the fit, as logarithms.
+fn modes(ends: &[End]) -> [Vec<f64>; 2] {
+    [1.0, -1.0].map(|side| ends.iter().map(|end| mode(end, side).ln()).collect())
+}
+
 fn rows(scheme: &Scheme, name: &str, contrast: f64, n: u32) -> Vec<Row> {
     let tau = WAVELENGTH * (1.0 + contrast) / contrast.sqrt();
     let times: Vec<f64> = (0..8).map(|k| tau * (0.3 + 0.1 * f64::from(k))).collect();
     let mut stops = times.clone();
     stops.push(2.0 * tau);
-    let ends = scheme.run(&scene(contrast, n), &stops, start);
+    let scene = scene(contrast, n);
+    let small = scheme.run(&scene, &times, |gas| start(gas, SMALL));
+    let ends = scheme.run(&scene, &stops, |gas| start(gas, AMPLITUDE));
     let shown = [8, 9].map(|k| {
         (
             &ends[k],
@@ -82,25 +94,36 @@ fn rows(scheme: &Scheme, name: &str, contrast: f64, n: u32) -> Vec<Row> {
         )
     });
     maps(scheme, name, &shown, &Window::UNIT, |p| p.rho);
-    let modes = [1.0, -1.0].map(|side| -> Vec<f64> {
-        let of_end = |end: &End| mode(end, side).ln();
-        ends[1..9].iter().map(of_end).collect()
-    });
-    let rate = modes.iter().map(|modes| slope(&times, modes)).sum::<f64>() / 2.0;
-    let step = |k: usize| 0.5 * modes.iter().map(|m| m[k + 1] - m[k]).sum::<f64>() / (0.1 * tau);
+    let rate = |modes: &[Vec<f64>; 2]| 0.5 * (slope(&times, &modes[0]) + slope(&times, &modes[1]));
+    let (small, large) = (modes(&small[1..]), modes(&ends[1..9]));
+    let step = |k: usize| 0.5 * small.iter().map(|m| m[k + 1] - m[k]).sum::<f64>() / (0.1 * tau);
     let fastest = (0..7).map(step).fold(f64::NEG_INFINITY, f64::max);
-    let exact = growth(contrast);
+    let most = large
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
     vec![
         Row::new(
             "growth rate",
-            rate,
+            rate(&small),
             Bar::Reference {
-                value: exact,
+                value: growth(contrast),
                 good: 0.15,
                 acceptable: 0.4,
             },
         ),
         Row::new("largest rate between two of the times", fastest, Bar::None),
+        Row::new(
+            "the same slope of the published amplitude",
+            rate(&large),
+            Bar::None,
+        ),
+        Row::new(
+            "growth of the published amplitude, largest by 0.3 tau",
+            (most - 0.5 * (large[0][0] + large[1][0])).exp(),
+            Bar::None,
+        ),
         ends[9].energy_error(),
     ]
 }

@@ -7,7 +7,7 @@ fn a_small_tube_runs_by_the_scheme_it_is_given() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = |keys: &[&str]| {
         let keys: Vec<String> = keys.iter().map(|key| key.to_string()).collect();
-        let scheme = Scheme::new(&keys, Some(folder.path())).expect("a scheme");
+        let scheme = Scheme::new(false, &keys, Some(folder.path())).expect("a scheme");
         let end = scheme.end(&sod::TUBE.scene(14), 0.1, |_| {});
         sod::TUBE.picture(&scheme, "tube", &end);
         assert_eq!(end.gas.len(), 8064);
