@@ -318,6 +318,11 @@ pub const PROBLEMS: &[Problem] = &[
         gas::evrard::of,
     ),
     of_scheme(
+        "gas-passing-rows",
+        "change of the force as rows of particles pass each other, which should be none (Makino 2013)",
+        gas::passing_rows::of,
+    ),
+    of_scheme(
         "gas-blob",
         "cloud in a wind of Mach number 2.7 (Agertz et al. 2007)",
         gas::blob::of,

@@ -7,6 +7,7 @@ pub mod blob;
 pub mod evrard;
 pub mod gresho;
 pub mod noh;
+pub mod passing_rows;
 mod picture;
 pub mod riemann;
 pub mod scheme;
@@ -43,6 +44,8 @@ struct State {
     id: u64,
     x: Vec3,
     v: Vec3,
+    /// By pressure and viscosity.
+    a: Vec3,
     m: f64,
     u: f64,
     h: f64,
@@ -67,6 +70,7 @@ impl End {
             id: p.id[i],
             x: p.x[i],
             v: p.v[i],
+            a: system.gas.rates.hydro[i],
             m: p.m[i],
             u: p.u[i],
             h: p.h[i],

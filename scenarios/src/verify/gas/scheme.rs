@@ -16,14 +16,16 @@ const TABLES: [&str; 3] = ["gas.hydro.", "gas.viscosity.", "gas.conduction."];
 const NEIGHBOURS: &str = "gas.hydro.neighbours";
 
 /// The scheme recommended for flows in which shocks, contacts and vortices count alike, in space and in the plane.
-const RECOMMENDED: [&str; 5] = [
+const RECOMMENDED: [&str; 4] = [
     "gas.hydro.formulation=pressure",
     "gas.hydro.kernel=quintic-spline",
     "gas.hydro.background_pressure=least",
     "gas.hydro.precision=single",
-    "gas.viscosity.alpha=2",
 ];
 const RECOMMENDED_NEIGHBOURS: [&str; 2] = ["gas.hydro.neighbours=76", "gas.hydro.neighbours=42"];
+/// That of the default viscosity; another one has its own.
+const RECOMMENDED_ALPHA: &str = "gas.viscosity.alpha=2";
+const KIND: &str = "gas.viscosity.kind";
 
 pub struct Scheme {
     is_recommended: bool,
@@ -81,6 +83,9 @@ impl Scheme {
         if self.is_recommended {
             keys.extend(RECOMMENDED.map(str::to_owned));
             keys.push(RECOMMENDED_NEIGHBOURS[usize::from(is_plane)].to_owned());
+            if !self.keys.iter().any(|key| key.starts_with(KIND)) {
+                keys.push(RECOMMENDED_ALPHA.to_owned());
+            }
         }
         keys.extend(self.keys.iter().map(key));
         keys
@@ -160,9 +165,10 @@ mod tests {
             assert_eq!(gas.hydro.neighbours, neighbours);
         }
         let plain = Scheme::new(true, &[], None).expect("a scheme");
+        let keys = plain.keys_of(&cube(2));
         assert_eq!(
-            plain.keys_of(&cube(2)).last().map(String::as_str),
-            Some("gas.hydro.neighbours=42")
+            keys[4..],
+            ["gas.hydro.neighbours=42", "gas.viscosity.alpha=2"]
         );
     }
 }
