@@ -144,6 +144,8 @@ pub struct System {
     /// The longest base step, and the step of star and bodies: chosen at the start of a run and kept.
     pub longest: f64,
     pub bodies_step: f64,
+    /// The longest base step that the tolerance of drag's splitting allows.
+    pub drag_step: f64,
     /// What an integrator of bodies remembers between steps; empty for those that remember nothing.
     pub memory: Vec<f64>,
     /// The identity that the next new body has.
@@ -192,6 +194,7 @@ impl System {
             ledger: Ledger::default(),
             longest: f64::INFINITY,
             bodies_step: f64::INFINITY,
+            drag_step: f64::INFINITY,
             memory: Vec::new(),
             next_id: 0,
             touches: Vec::new(),

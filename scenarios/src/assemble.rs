@@ -248,12 +248,14 @@ fn operators(
         (gas, dust && scene.coupling.gas_dust, &scene.dust, &hydro)
     {
         drift.always = true;
-        list.push(Box::new(DustDrag::new(
+        let mut drag = DustDrag::new(
             populate::dust_law(scene, d),
             hydro,
             scene.coupling.feedback,
             scene.coupling.heat_share,
-        )));
+        );
+        drag.tolerance = scene.coupling.tolerance;
+        list.push(Box::new(drag));
     }
     list.extend(dust_in_disk(scene).filter(|_| dust));
     if let (true, true, Some(p), Some(hydro)) = (

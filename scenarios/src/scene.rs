@@ -506,6 +506,8 @@ pub struct Coupling {
     pub feedback: bool,
     /// Of the heat of friction, what the gas keeps; the rest is radiated.
     pub heat_share: f64,
+    /// Error of the splitting that base steps keep to; `None`: they do not depend on it.
+    pub tolerance: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

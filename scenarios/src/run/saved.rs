@@ -60,6 +60,7 @@ pub fn write(
             clock.end,
             system.longest,
             system.bodies_step,
+            system.drag_step,
         ]),
     );
     let pace = system.pace;
@@ -181,6 +182,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         next_span: tick(4),
     };
     (system.longest, system.bodies_step) = (clock[2], clock[3]);
+    system.drag_step = clock[4];
     system.look();
     system.pending_star = vectors(&file.reals("pending star")?);
     system.pending_bodies = vectors(&file.reals("pending bodies")?);
