@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use crate::Ledger;
 use crate::gravity::Heavy;
+use crate::stress::Stress;
 use crate::torques::{Braked, Torque};
 
 /// The common step of star and bodies, in ticks.
@@ -171,6 +172,8 @@ pub struct System {
     /// The pulls on planets when last reported, and what drag has given them since.
     pub torques: Vec<Torque>,
     pub braked: Braked,
+    /// The stress of the gas in rings about the star; empty unless somebody measures it.
+    pub stress: Stress,
 }
 
 impl System {
@@ -211,6 +214,7 @@ impl System {
                 since: time,
                 ..Braked::default()
             },
+            stress: Stress::default(),
         }
     }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 mod dust;
 mod growth;
 
-pub use self::dust::{Composition, Dust, DustAmount, DustBlock, DustDrag, Sizes};
+pub use self::dust::{Composition, Dust, DustAmount, DustBlock, DustDrag, Sizes, Turbulence};
 pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
 pub use gas::{
     BackgroundPressure, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity,
@@ -474,6 +474,12 @@ impl Scene {
     /// Whether dust is in gas that is a formula.
     pub fn has_dust_in_formula(&self) -> bool {
         self.dust.is_some() && self.surroundings.disk.is_some()
+    }
+
+    /// Whether the stress of the gas stirs the dust.
+    pub fn has_measured_alpha(&self) -> bool {
+        let dust = self.dust.as_ref();
+        dust.is_some_and(|dust| dust.turbulence.known().is_none())
     }
 
     /// Whether anything kicks bodies by a formula.

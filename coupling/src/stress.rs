@@ -1,0 +1,229 @@
+//! Stress: the Reynolds stress of the resolved gas in rings about the star, as the alpha of its turbulence.
+//!
+//!     alpha = <rho v_R' v_phi'> / <P>
+//!
+//! v' is the velocity beyond the mean flow of a ring: beyond the circular velocity sqrt(G M / R), and beyond a line in ln R through the ring's
+//! particles. The ring means of both are sums over particles by their mass, of v_R' v_phi' and of the square of the isothermal sound speed; the stress is taken up
+//! by n/(n - 2), since the lines take two freedoms of n. Both are averaged over time, exponentially over the ring's orbital time, at the ends of base
+//! steps. Rings are equally wide in ln R, from the innermost to the outermost gas of the start; between their middles alpha is linear in ln R. A negative
+//! stress carries angular momentum inwards and is no diffusion: alpha is never below a floor, which is also that of rings without gas.
+//! Sampling leaves an error of sqrt(<v_R'^2> <v_phi'^2> / n) / <c^2> to a ring at a moment. Viscosity has no part in it. Source of the definition: Balbus &
+//! Papaloizou (1999, ApJ 521, 650).
+
+use gas::probe::isothermal;
+use nalgebra::{Matrix2, Vector2};
+use nbody::points::{Fault, Vec3};
+
+use crate::System;
+use crate::operator::{Meter, Operator, Phase};
+
+/// Widths of rings in ln R.
+const WIDTH: f64 = 0.1;
+
+/// The most rings.
+const MOST: f64 = 256.0;
+
+/// The fewest particles whose mean flow is told from their turbulence.
+const FEWEST: f64 = 16.0;
+
+/// The averages of a ring.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ring {
+    /// Of stress and pressure by density, each weighted by the time since the start.
+    pub stress: f64,
+    pub pressure: f64,
+}
+
+/// The rings about a star; none before they are first measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stress {
+    /// ln R of the innermost edge, and the width of each ring.
+    pub inner: f64,
+    pub width: f64,
+    pub rings: Vec<Ring>,
+}
+
+impl Ring {
+    /// alpha as it is measured; zero without gas.
+    pub fn alpha(&self) -> f64 {
+        if self.pressure > 0.0 {
+            self.stress / self.pressure
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Sums over the particles of a ring: 1, and by mass 1, s, s^2; v_R, s v_R; v_phi, s v_phi; v_R v_phi; c^2.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    number: f64,
+    weight: Matrix2<f64>,
+    radial: Vector2<f64>,
+    along: Vector2<f64>,
+    both: f64,
+    square: f64,
+}
+
+impl Sums {
+    fn add(&mut self, m: f64, s: f64, (radial, along): (f64, f64), square: f64) {
+        self.number += 1.0;
+        self.weight += m * Matrix2::new(1.0, s, s, s * s);
+        self.radial += m * radial * Vector2::new(1.0, s);
+        self.along += m * along * Vector2::new(1.0, s);
+        self.both += m * radial * along;
+        self.square += m * square;
+    }
+
+    /// Means of stress and pressure by density; none of too few.
+    fn means(&self) -> Option<Ring> {
+        let inverse = self
+            .weight
+            .try_inverse()
+            .filter(|_| self.number >= FEWEST)?;
+        let mass = self.weight[(0, 0)];
+        let left = self.both - self.radial.dot(&(inverse * self.along));
+        Some(Ring {
+            stress: left / mass * self.number / (self.number - 2.0),
+            pressure: self.square / mass,
+        })
+    }
+}
+
+impl Stress {
+    /// ln R of the middle of ring k.
+    pub fn middle(&self, k: usize) -> f64 {
+        self.inner + (k as f64 + 0.5) * self.width
+    }
+
+    /// alpha at a distance R from the star's axis, no less than `floor`, and its slope dalpha/dR.
+    pub fn alpha(&self, radius: f64, floor: f64) -> (f64, f64) {
+        let Some(last) = self.rings.len().checked_sub(1) else {
+            return (floor, 0.0);
+        };
+        let of = |k: usize| self.rings[k].alpha().max(floor);
+        let place = (radius.ln() - self.middle(0)) / self.width;
+        if !(place >= 0.0 && place < last as f64) {
+            let outside = place >= last as f64;
+            return (of(if outside { last } else { 0 }), 0.0);
+        }
+        let (k, part) = (place as usize, place.fract());
+        let rise = of(k + 1) - of(k);
+        (of(k) + part * rise, rise / (self.width * radius))
+    }
+
+    /// Lays the rings over the gas.
+    fn lay(&mut self, radii: impl Iterator<Item = f64>) {
+        let (least, most) = radii
+            .filter(|r| *r > 0.0)
+            .fold((f64::INFINITY, 0.0f64), |(a, b), r| (a.min(r), b.max(r)));
+        let range = (most / least).ln();
+        if range > 0.0 && range.is_finite() {
+            let number = (range / WIDTH).ceil().min(MOST);
+            self.inner = least.ln();
+            self.width = range / number;
+            self.rings = vec![Ring::default(); number as usize];
+        }
+    }
+
+    /// Takes in the gas of a system that is closed; `dt` after the last time.
+    fn measure(&mut self, system: &System, dt: f64) {
+        let Some(sight) = Sight::of(system) else {
+            return;
+        };
+        let gas = &system.gas.particles;
+        if self.rings.is_empty() {
+            self.lay((0..gas.x.len()).map(|i| sight.radius(i)));
+        }
+        let mut sums = vec![Sums::default(); self.rings.len()];
+        for i in 0..gas.x.len() {
+            let place = (sight.radius(i).ln() - self.inner) / self.width;
+            // The outermost edge belongs to the last ring.
+            let k = if place == sums.len() as f64 {
+                place - 1.0
+            } else {
+                place
+            };
+            if k >= 0.0
+                && let Some(sum) = sums.get_mut(k as usize)
+            {
+                let s = place - k.floor() - 0.5;
+                sum.add(gas.m[i], s, sight.flow(i), isothermal(&system.gas, i));
+            }
+        }
+        for (k, sum) in sums.iter().enumerate() {
+            let Some(now) = sum.means() else {
+                continue;
+            };
+            let period = std::f64::consts::TAU * ((3.0 * self.middle(k)).exp() / sight.gm).sqrt();
+            let part = -(-dt / period).exp_m1();
+            let ring = &mut self.rings[k];
+            ring.stress += part * (now.stress - ring.stress);
+            ring.pressure += part * (now.pressure - ring.pressure);
+        }
+    }
+}
+
+/// The gas as it is seen from the star.
+struct Sight<'a> {
+    system: &'a System,
+    x: Vec3,
+    v: Vec3,
+    gm: f64,
+}
+
+impl<'a> Sight<'a> {
+    /// None without a star.
+    fn of(system: &'a System) -> Option<Self> {
+        let star = &system.star;
+        let gm = system.g * star.m.first()?;
+        (gm > 0.0).then(|| Self {
+            system,
+            x: star.x[0],
+            v: star.v[0],
+            gm,
+        })
+    }
+
+    fn radius(&self, i: usize) -> f64 {
+        let x = self.system.gas.particles.x[i] - self.x;
+        x.x.hypot(x.y)
+    }
+
+    /// Radial velocity, and how much faster than circular the particle goes around.
+    fn flow(&self, i: usize) -> (f64, f64) {
+        let gas = &self.system.gas.particles;
+        let (x, v) = (gas.x[i] - self.x, gas.v[i] - self.v);
+        let radius = x.x.hypot(x.y);
+        (
+            (x.x * v.x + x.y * v.y) / radius,
+            (x.x * v.y - x.y * v.x) / radius - (self.gm / radius).sqrt(),
+        )
+    }
+}
+
+/// Measures the stress of the gas.
+pub struct MeasureStress;
+
+impl Operator for MeasureStress {
+    fn name(&self) -> &'static str {
+        "measure stress"
+    }
+
+    fn counted(&self, _: &System) -> bool {
+        false
+    }
+
+    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        if system.clock.synchronous() {
+            meter.enter(Phase::Dust);
+            let mut stress = std::mem::take(&mut system.stress);
+            stress.measure(system, system.clock.end - system.clock.start);
+            system.stress = stress;
+        }
+        Ok(false)
+    }
+}
+
+#[cfg(test)]
+mod tests;
