@@ -2,17 +2,19 @@
 //!
 //!     alpha = <rho v_R' v_phi'> / <P>
 //!
-//! v' is the velocity beyond the mean flow of a ring: beyond the circular velocity sqrt(G M / R), and beyond a line in ln R through the ring's
-//! particles. The ring means of both are sums over particles by their mass, of v_R' v_phi' and of the square of the isothermal sound speed; the stress is taken up
-//! by n/(n - 2), since the lines take two freedoms of n. Both are averaged over time, exponentially over the ring's orbital time, at the ends of base
-//! steps. Rings are equally wide in ln R, from the innermost to the outermost gas of the start; between their middles alpha is linear in ln R. A negative
-//! stress carries angular momentum inwards and is no diffusion: alpha is never below a floor, which is also that of rings without gas.
-//! Sampling leaves an error of sqrt(<v_R'^2> <v_phi'^2> / n) / <c^2> to a ring at a moment. Viscosity has no part in it. Source of the definition: Balbus &
-//! Papaloizou (1999, ApJ 521, 650).
+//! v' is the velocity beyond the circular one, sqrt(G M / R), and beyond a line in ln R through the ring's particles. Of the two factors one is a particle's
+//! own and the other that of its neighbours without it, by weights exact for linear fields ([`gas::probe`]), in turn: so the noise that particles have each
+//! for itself, which is no flow that is resolved, does not count. The ring means are sums over particles by
+//! their mass, of v_R' v_phi' and of the square of the isothermal sound speed; the stress is taken up by n/(n - 2), since the lines take two freedoms of n. Both
+//! are averaged over time, exponentially over the ring's orbital time, at the ends of base steps. Rings are equally wide in ln R, from the innermost
+//! to the outermost gas of the start; between their middles alpha is linear in ln R. A negative stress carries angular momentum inwards and is no
+//! diffusion: alpha is never below a floor, which is also that of rings without gas. Viscosity has no part in it.
+//! Source of the definition: Balbus & Papaloizou (1999, ApJ 521, 650).
 
-use gas::probe::isothermal;
+use gas::probe::{Candidates, Reach, Weights, isothermal};
 use nalgebra::{Matrix2, Vector2};
 use nbody::points::{Fault, Vec3};
+use rayon::prelude::*;
 
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
@@ -25,6 +27,9 @@ const MOST: f64 = 256.0;
 
 /// The fewest particles whose mean flow is told from their turbulence.
 const FEWEST: f64 = 16.0;
+
+/// The part of the weights at its own place from which on a particle is alone.
+const ALONE: f64 = 0.9;
 
 /// The averages of a ring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,24 +59,34 @@ impl Ring {
     }
 }
 
-/// Sums over the particles of a ring: 1, and by mass 1, s, s^2; v_R, s v_R; v_phi, s v_phi; v_R v_phi; c^2.
+/// Velocities beyond the circular one: outwards and around, a particle's own and its neighbours'.
+#[derive(Clone, Copy, Debug)]
+struct Flow {
+    radial: [f64; 2],
+    around: [f64; 2],
+}
+
+/// Sums over the particles of a ring by mass: of (1, s) times (1, s), times the velocities outwards, and around; of v_R v_phi; of c^2; and their number.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     number: f64,
     weight: Matrix2<f64>,
-    radial: Vector2<f64>,
-    along: Vector2<f64>,
+    radial: [Vector2<f64>; 2],
+    around: [Vector2<f64>; 2],
     both: f64,
     square: f64,
 }
 
 impl Sums {
-    fn add(&mut self, m: f64, s: f64, (radial, along): (f64, f64), square: f64) {
+    fn add(&mut self, m: f64, s: f64, flow: &Flow, square: f64) {
+        let line = m * Vector2::new(1.0, s);
         self.number += 1.0;
         self.weight += m * Matrix2::new(1.0, s, s, s * s);
-        self.radial += m * radial * Vector2::new(1.0, s);
-        self.along += m * along * Vector2::new(1.0, s);
-        self.both += m * radial * along;
+        for k in 0..2 {
+            self.radial[k] += flow.radial[k] * line;
+            self.around[k] += flow.around[k] * line;
+            self.both += 0.5 * m * flow.radial[k] * flow.around[1 - k];
+        }
         self.square += m * square;
     }
 
@@ -82,7 +97,8 @@ impl Sums {
             .try_inverse()
             .filter(|_| self.number >= FEWEST)?;
         let mass = self.weight[(0, 0)];
-        let left = self.both - self.radial.dot(&(inverse * self.along));
+        let mean = |k: usize| self.radial[k].dot(&(inverse * self.around[1 - k]));
+        let left = self.both - 0.5 * (mean(0) + mean(1));
         Some(Ring {
             stress: left / mass * self.number / (self.number - 2.0),
             pressure: self.square / mass,
@@ -126,8 +142,8 @@ impl Stress {
         }
     }
 
-    /// Takes in the gas of a system that is closed; `dt` after the last time.
-    fn measure(&mut self, system: &System, dt: f64) {
+    /// Takes in the gas of a system that is closed, seen by so many `neighbours`; `dt` after the last time.
+    fn measure(&mut self, system: &System, neighbours: f64, dt: f64) {
         let Some(sight) = Sight::of(system) else {
             return;
         };
@@ -135,8 +151,9 @@ impl Stress {
         if self.rings.is_empty() {
             self.lay((0..gas.x.len()).map(|i| sight.radius(i)));
         }
+        let flows = sight.flows(neighbours);
         let mut sums = vec![Sums::default(); self.rings.len()];
-        for i in 0..gas.x.len() {
+        for (i, flow) in flows.iter().enumerate() {
             let place = (sight.radius(i).ln() - self.inner) / self.width;
             // The outermost edge belongs to the last ring.
             let k = if place == sums.len() as f64 {
@@ -148,18 +165,19 @@ impl Stress {
                 && let Some(sum) = sums.get_mut(k as usize)
             {
                 let s = place - k.floor() - 0.5;
-                sum.add(gas.m[i], s, sight.flow(i), isothermal(&system.gas, i));
+                sum.add(gas.m[i], s, flow, isothermal(&system.gas, i));
             }
         }
         for (k, sum) in sums.iter().enumerate() {
-            let Some(now) = sum.means() else {
-                continue;
-            };
             let period = std::f64::consts::TAU * ((3.0 * self.middle(k)).exp() / sight.gm).sqrt();
             let part = -(-dt / period).exp_m1();
-            let ring = &mut self.rings[k];
-            ring.stress += part * (now.stress - ring.stress);
-            ring.pressure += part * (now.pressure - ring.pressure);
+            self.rings[k] = sum.means().map_or_else(Ring::default, |now| {
+                let ring = self.rings[k];
+                Ring {
+                    stress: ring.stress + part * (now.stress - ring.stress),
+                    pressure: ring.pressure + part * (now.pressure - ring.pressure),
+                }
+            });
         }
     }
 }
@@ -190,20 +208,57 @@ impl<'a> Sight<'a> {
         x.x.hypot(x.y)
     }
 
-    /// Radial velocity, and how much faster than circular the particle goes around.
-    fn flow(&self, i: usize) -> (f64, f64) {
+    /// The directions outwards and around from the star's axis at x, and the distance from it.
+    fn frame(&self, x: Vec3) -> (Vec3, Vec3, f64) {
+        let r = x - self.x;
+        let radius = r.x.hypot(r.y);
+        let out = Vec3::new(r.x, r.y, 0.0) / radius;
+        (out, Vec3::new(-out.y, out.x, 0.0), radius)
+    }
+
+    /// Velocity of particle i beyond the circular one.
+    fn beyond(&self, i: usize) -> Vec3 {
         let gas = &self.system.gas.particles;
-        let (x, v) = (gas.x[i] - self.x, gas.v[i] - self.v);
-        let radius = x.x.hypot(x.y);
-        (
-            (x.x * v.x + x.y * v.y) / radius,
-            (x.x * v.y - x.y * v.x) / radius - (self.gm / radius).sqrt(),
-        )
+        let (_, around, radius) = self.frame(gas.x[i]);
+        gas.v[i] - self.v - (self.gm / radius).sqrt() * around
+    }
+
+    /// The flow at each particle, by so many neighbours.
+    fn flows(&self, neighbours: f64) -> Vec<Flow> {
+        let (gas, domain) = (&self.system.gas, &self.system.domain);
+        let p = &gas.particles;
+        let reach = Reach {
+            neighbours,
+            largest: p.h.iter().copied().fold(0.0, f64::max),
+        };
+        let sight = <(Candidates, Weights)>::default;
+        (0..p.x.len())
+            .into_par_iter()
+            .with_min_len(64)
+            .map_init(sight, |(candidates, weights), i| {
+                weights.find(candidates, gas, domain, (p.x[i], p.h[i]), &reach);
+                let own = self.beyond(i);
+                let part = weights.scalar(|j| f64::from(u8::from(j == i)));
+                // One without neighbours is no flow.
+                let others = match part < ALONE {
+                    true => (weights.vector(|j| self.beyond(j)) - part * own) / (1.0 - part),
+                    false => Vec3::zeros(),
+                };
+                let (out, around, _) = self.frame(p.x[i]);
+                Flow {
+                    radial: [own.dot(&out), others.dot(&out)],
+                    around: [own.dot(&around), others.dot(&around)],
+                }
+            })
+            .collect()
     }
 }
 
 /// Measures the stress of the gas.
-pub struct MeasureStress;
+pub struct MeasureStress {
+    /// Of a point in the gas.
+    pub neighbours: f64,
+}
 
 impl Operator for MeasureStress {
     fn name(&self) -> &'static str {
@@ -218,7 +273,8 @@ impl Operator for MeasureStress {
         if system.clock.synchronous() {
             meter.enter(Phase::Dust);
             let mut stress = std::mem::take(&mut system.stress);
-            stress.measure(system, system.clock.end - system.clock.start);
+            let dt = system.clock.end - system.clock.start;
+            stress.measure(system, self.neighbours, dt);
             system.stress = stress;
         }
         Ok(false)

@@ -223,10 +223,11 @@ fn operators(
             // Moves before densities are found, and settles after all else is closed.
             list.push(Box::new(RearrangeGas::new(hydro.clone(), strength)));
         }
+        let neighbours = hydro.neighbours;
         list.push(Box::new(Density { hydro }));
         if dust && scene.has_measured_alpha() {
             // Closes after all that changes velocities.
-            list.push(Box::new(MeasureStress));
+            list.push(Box::new(MeasureStress { neighbours }));
         }
         // Closes after all that heats the gas.
         let cooling = scene.gas.as_ref().and_then(populate::cooling);
