@@ -3,10 +3,10 @@
 //!     alpha = <rho v_R' v_phi'> / <P>
 //!
 //! v' is the velocity beyond the circular one, sqrt(G M / R), and beyond a line in ln R through the ring's particles. Of the two factors one is a particle's
-//! own and the other that of its neighbours without it, by weights exact for linear fields ([`gas::probe`]), in turn: so the noise that particles have each
+//! own and the other that of its neighbours without it, weighted as by [`gas::probe`], in turn: so the noise that particles have each
 //! for itself, which is no flow that is resolved, does not count. The ring means are sums over particles by
 //! their mass, of v_R' v_phi' and of the square of the isothermal sound speed; the stress is taken up by n/(n - 2), since the lines take two freedoms of n. Both
-//! are averaged over time, exponentially over the ring's orbital time, at the ends of base steps. Rings are equally wide in ln R, from the innermost
+//! are averaged over time, exponentially over the ring's orbital time, at the ends of every fourth base step. Rings are equally wide in ln R, from the innermost
 //! to the outermost gas of the start; between their middles alpha is linear in ln R. A negative stress carries angular momentum inwards and is no
 //! diffusion: alpha is never below a floor, which is also that of rings without gas. Viscosity has no part in it.
 //! Source of the definition: Balbus & Papaloizou (1999, ApJ 521, 650).
@@ -24,6 +24,9 @@ const WIDTH: f64 = 0.1;
 
 /// The most rings.
 const MOST: f64 = 256.0;
+
+/// Base steps from one measurement to the next.
+const EVERY: u64 = 4;
 
 /// The fewest particles whose mean flow is told from their turbulence.
 const FEWEST: f64 = 16.0;
@@ -45,6 +48,8 @@ pub struct Stress {
     /// ln R of the innermost edge, and the width of each ring.
     pub inner: f64,
     pub width: f64,
+    /// When the gas was measured last.
+    pub time: f64,
     pub rings: Vec<Ring>,
 }
 
@@ -231,23 +236,29 @@ impl<'a> Sight<'a> {
             neighbours,
             largest: p.h.iter().copied().fold(0.0, f64::max),
         };
+        let beyond: Vec<Vec3> = (0..p.x.len()).map(|i| self.beyond(i)).collect();
         let sight = <(Candidates, Weights)>::default;
         (0..p.x.len())
             .into_par_iter()
             .with_min_len(64)
             .map_init(sight, |(candidates, weights), i| {
                 weights.find(candidates, gas, domain, (p.x[i], p.h[i]), &reach);
-                let own = self.beyond(i);
-                let part = weights.scalar(|j| f64::from(u8::from(j == i)));
-                // One without neighbours is no flow.
-                let others = match part < ALONE {
-                    true => (weights.vector(|j| self.beyond(j)) - part * own) / (1.0 - part),
-                    false => Vec3::zeros(),
-                };
+                let part = weights.positive(|j| f64::from(u8::from(j == i)));
                 let (out, around, _) = self.frame(p.x[i]);
+                // One without neighbours is no flow.
+                let others = |direction: Vec3| match part < ALONE {
+                    true => {
+                        let other = |j: usize| match j == i {
+                            true => 0.0,
+                            false => beyond[j].dot(&direction),
+                        };
+                        weights.positive(other) / (1.0 - part)
+                    }
+                    false => 0.0,
+                };
                 Flow {
-                    radial: [own.dot(&out), others.dot(&out)],
-                    around: [own.dot(&around), others.dot(&around)],
+                    radial: [beyond[i].dot(&out), others(out)],
+                    around: [beyond[i].dot(&around), others(around)],
                 }
             })
             .collect()
@@ -270,10 +281,11 @@ impl Operator for MeasureStress {
     }
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
-        if system.clock.synchronous() {
+        if system.clock.synchronous() && system.clock.step.is_multiple_of(EVERY) {
             meter.enter(Phase::Dust);
             let mut stress = std::mem::take(&mut system.stress);
-            let dt = system.clock.end - system.clock.start;
+            let now = system.clock.time();
+            let dt = now - std::mem::replace(&mut stress.time, now);
             stress.measure(system, self.neighbours, dt);
             system.stress = stress;
         }

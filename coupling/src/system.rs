@@ -214,7 +214,10 @@ impl System {
                 since: time,
                 ..Braked::default()
             },
-            stress: Stress::default(),
+            stress: Stress {
+                time,
+                ..Stress::default()
+            },
         }
     }
 

@@ -120,6 +120,8 @@ fn the_noise_of_single_particles_does_not_count() {
     // of the smallest ring; four times that.
     let bar = 4.0 / 1700f64.sqrt() / 0.9;
     assert!(noise.rings.iter().all(|ring| part(ring).abs() < bar));
+    let mean = noise.rings.iter().map(part).sum::<f64>() / 8.0;
+    assert!(mean.abs() < bar / 8f64.sqrt(), "{mean}");
 }
 
 #[test]
@@ -167,6 +169,7 @@ fn alpha_is_continuous_and_its_slope_is_its_own() {
     let stress = Stress {
         inner: 0.0,
         width: 0.1,
+        time: 0.0,
         rings: vec![ring(0.1), ring(-0.2), ring(0.3), Ring::default()],
     };
     for n in 0..500 {

@@ -234,7 +234,7 @@ fn read_braked(file: &Checkpoint, system: &mut System) -> Result<(), FileError> 
 fn stress_reals(stress: &Stress) -> Vec<f64> {
     let rings = stress.rings.iter();
     let averages = rings.flat_map(|ring| [ring.stress, ring.pressure]);
-    [stress.inner, stress.width]
+    [stress.inner, stress.width, stress.time]
         .into_iter()
         .chain(averages)
         .collect()
@@ -248,7 +248,8 @@ fn stress_of(reals: &[f64]) -> Stress {
     Stress {
         inner: reals[0],
         width: reals[1],
-        rings: reals[2..].chunks(2).map(ring).collect(),
+        time: reals[2],
+        rings: reals[3..].chunks(2).map(ring).collect(),
     }
 }
 
