@@ -96,7 +96,9 @@ fn stiff_grains_that_follow_the_gas_take_the_steps_of_loose_ones() {
 
 #[test]
 fn a_run_with_a_tolerance_ends_bit_for_bit_the_same_when_it_is_resumed() {
-    let text = WAVE.replace("end_time = 10.0", "end_time = 0.1\nsnapshots = 0.025");
-    let scene = bench::parsed(&format!("{text}[coupling]\ntolerance = 1e-5\n"));
+    let text = WAVE
+        .replace("end_time = 10.0", "end_time = 0.1\nsnapshots = 0.025")
+        .replace("stopping_time = 0.3", "stopping_time = 0.03");
+    let scene = bench::parsed(&format!("{text}[coupling]\ntolerance = 1e-6\n"));
     assert!(bench::resumes(scene, 2.0));
 }
