@@ -8,6 +8,7 @@ mod coupled {
     mod reproducible;
     mod splitting;
     mod temperature;
+    mod tolerance;
 }
 mod dust {
     mod clumps;

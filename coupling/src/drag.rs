@@ -13,6 +13,7 @@
 mod block;
 mod booking;
 mod bundles;
+mod course;
 mod group;
 mod immersed;
 mod loose;
@@ -35,6 +36,7 @@ pub use operators::{BodyDrag, DustDrag};
 pub use prescribed::{DustInDisk, Ties};
 
 use block::Block;
+use row::Row;
 use touched::Touched;
 
 /// Which half of its step a particle does at a tick.
@@ -145,6 +147,11 @@ impl Exchange {
             self.touched.sum(blocks, gas);
             self.fresh = true;
         }
+    }
+
+    /// The rows of the prepared particles, as the last exchange left them.
+    fn rows(&self) -> impl Iterator<Item = &Row> {
+        self.blocks[..self.used].iter().flat_map(Block::rows)
     }
 
     /// Learns the masses anew, if they have changed since the exchange was prepared.

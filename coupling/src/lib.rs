@@ -16,6 +16,7 @@ pub mod operator;
 pub mod rearrange;
 pub mod splitting;
 pub mod stirring;
+pub mod stress;
 pub mod sublimation;
 pub mod system;
 pub mod torques;

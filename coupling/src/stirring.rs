@@ -30,6 +30,16 @@ pub enum Medium {
     Disk(GasDisk),
 }
 
+/// alpha of the turbulence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Strength {
+    Given(f64),
+    /// That of the system's stress, and no less than `floor`.
+    Measured {
+        floor: f64,
+    },
+}
+
 impl Medium {
     pub fn particles(hydro: &Hydro) -> Self {
         Self::Particles {
@@ -47,7 +57,7 @@ struct Walk {
 
 /// Random walks of the dust.
 pub struct Stir {
-    turbulence: Turbulence,
+    strength: Strength,
     law: StoppingLaw,
     medium: Medium,
     seed: u64,
@@ -56,9 +66,9 @@ pub struct Stir {
 }
 
 impl Stir {
-    pub fn new(turbulence: Turbulence, law: StoppingLaw, medium: Medium, seed: u64) -> Self {
+    pub fn new(strength: Strength, law: StoppingLaw, medium: Medium, seed: u64) -> Self {
         Self {
-            turbulence,
+            strength,
             law,
             medium,
             seed,
@@ -69,7 +79,7 @@ impl Stir {
 
     /// The walks of the active grains.
     fn plan(&mut self, system: &System) {
-        let (seed, turbulence, law) = (self.seed, &self.turbulence, &self.law);
+        let (seed, strength, law) = (self.seed, self.strength, &self.law);
         let surroundings = Surroundings::of(system, self.medium);
         // No two ticks of a run share it.
         let now = system.next.step << 30 | u64::from(system.next.tick);
@@ -92,6 +102,7 @@ impl Stir {
                     density: p.grain_density[i],
                 };
                 let dt = f64::from(p.span[i]) * system.next.unit();
+                let turbulence = surroundings.turbulence(strength, p.x[i]);
                 let dx = turbulence.walk(law, &sphere, &air, dt, gauss);
                 *walk = surroundings.walk(p.x[i], system.domain.in_plane(dx));
             });
@@ -203,6 +214,22 @@ impl<'a> Surroundings<'a> {
                 false => Vec3::zeros(),
             },
         })
+    }
+
+    /// The turbulence of `strength` at `x`.
+    fn turbulence(&self, strength: Strength, x: Vec3) -> Turbulence {
+        match strength {
+            Strength::Given(alpha) => Turbulence::uniform(alpha),
+            Strength::Measured { floor } => {
+                let r = x - self.star.x;
+                let radius = r.x.hypot(r.y);
+                let (alpha, slope) = self.system.stress.alpha(radius, floor);
+                Turbulence {
+                    alpha,
+                    slope: slope / radius * Vec3::new(r.x, r.y, 0.0),
+                }
+            }
+        }
     }
 
     /// The walk from `x` by `dx`; none if it would leave a disk that has an edge.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use crate::Ledger;
 use crate::gravity::Heavy;
+use crate::stress::Stress;
 use crate::torques::{Braked, Torque};
 
 /// The common step of star and bodies, in ticks.
@@ -144,6 +145,8 @@ pub struct System {
     /// The longest base step, and the step of star and bodies: chosen at the start of a run and kept.
     pub longest: f64,
     pub bodies_step: f64,
+    /// The longest base step that the tolerance of drag's splitting allows.
+    pub drag_step: f64,
     /// What an integrator of bodies remembers between steps; empty for those that remember nothing.
     pub memory: Vec<f64>,
     /// The identity that the next new body has.
@@ -169,6 +172,8 @@ pub struct System {
     /// The pulls on planets when last reported, and what drag has given them since.
     pub torques: Vec<Torque>,
     pub braked: Braked,
+    /// The stress of the gas in rings about the star; empty unless somebody measures it.
+    pub stress: Stress,
 }
 
 impl System {
@@ -192,6 +197,7 @@ impl System {
             ledger: Ledger::default(),
             longest: f64::INFINITY,
             bodies_step: f64::INFINITY,
+            drag_step: f64::INFINITY,
             memory: Vec::new(),
             next_id: 0,
             touches: Vec::new(),
@@ -207,6 +213,10 @@ impl System {
             braked: Braked {
                 since: time,
                 ..Braked::default()
+            },
+            stress: Stress {
+                time,
+                ..Stress::default()
             },
         }
     }

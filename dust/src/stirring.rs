@@ -28,12 +28,22 @@ pub struct Air {
 pub struct Turbulence {
     /// Diffusion coefficient of the gas by c^2/Omega.
     pub alpha: f64,
+    /// Gradient of alpha.
+    pub slope: Vec3,
 }
 
 /// Change of the logarithms by which slopes of the stopping time are taken: their errors are of its square.
 const APART: f64 = 1e-4;
 
 impl Turbulence {
+    /// Of the same alpha everywhere.
+    pub fn uniform(alpha: f64) -> Self {
+        Self {
+            alpha,
+            slope: Vec3::zeros(),
+        }
+    }
+
     /// D of a grain.
     pub fn diffusion(&self, law: &StoppingLaw, sphere: &Sphere, gas: &Ambient) -> f64 {
         let stokes = law.stopping_time(sphere, gas, 0.0) * gas.omega;
@@ -56,7 +66,7 @@ impl Turbulence {
             + slope([0.0, 1.0, 0.0]) * air.log_c
             + slope([0.0, 0.0, 1.0]) * air.log_omega;
         let d = self.diffusion(law, sphere, &air.ambient);
-        (d, d * log)
+        (d, d * log + d / self.alpha * self.slope)
     }
 
     /// How far a grain walks in `dt`; `gauss` are three independent normal numbers.

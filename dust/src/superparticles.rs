@@ -63,6 +63,8 @@ columns! {
         potential: Real = Label::checkpoint("Potentials", Dimension::SPECIFIC_ENERGY, "gravitational potential"),
         /// length of the step that begins now, in ticks
         next_span: Short = Label::checkpoint("NextSpans", Dimension::NONE, "length of the step that begins now in ticks"),
+        /// acceleration by drag in the first half of the present step; empty unless somebody asks for it
+        opening_drag: Vector = Label::checkpoint("OpeningDrags", Dimension::ACCELERATION, "acceleration by drag in the first half of the step").optional(),
     }
 }
 

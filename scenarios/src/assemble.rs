@@ -19,7 +19,8 @@ use coupling::gravity::{Gravity, Meetings, Mutual, Plan, Softening};
 use coupling::growth::GrowDust;
 use coupling::kick::{Density, KickBodies, KickDust, KickGas, Reaction, Steps};
 use coupling::rearrange::RearrangeGas;
-use coupling::stirring::{Medium, Stir};
+use coupling::stirring::{Medium, Stir, Strength};
+use coupling::stress::MeasureStress;
 use coupling::sublimation::Sublimate;
 use coupling::{Operator, Splitting, System};
 use dust::motion::Parts;
@@ -31,7 +32,7 @@ use nbody::points::Columns;
 use crate::memory;
 use crate::populate;
 use crate::run::REPORTS;
-use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep};
+use crate::scene::{self, Coordinates, Integrator, Mass, Scene, TimeStep, Turbulence};
 pub use choice::chosen;
 use choice::integrator;
 use doors::{countable, separate};
@@ -222,7 +223,12 @@ fn operators(
             // Moves before densities are found, and settles after all else is closed.
             list.push(Box::new(RearrangeGas::new(hydro.clone(), strength)));
         }
+        let neighbours = hydro.neighbours;
         list.push(Box::new(Density { hydro }));
+        if dust && scene.has_measured_alpha() {
+            // Closes after all that changes velocities.
+            list.push(Box::new(MeasureStress { neighbours }));
+        }
         // Closes after all that heats the gas.
         let cooling = scene.gas.as_ref().and_then(populate::cooling);
         if let Some(cooling) = cooling {
@@ -248,12 +254,14 @@ fn operators(
         (gas, dust && scene.coupling.gas_dust, &scene.dust, &hydro)
     {
         drift.always = true;
-        list.push(Box::new(DustDrag::new(
+        let mut drag = DustDrag::new(
             populate::dust_law(scene, d),
             hydro,
             scene.coupling.feedback,
             scene.coupling.heat_share,
-        )));
+        );
+        drag.tolerance = scene.coupling.tolerance;
+        list.push(Box::new(drag));
     }
     list.extend(dust_in_disk(scene).filter(|_| dust));
     if let (true, true, Some(p), Some(hydro)) = (
@@ -364,18 +372,17 @@ fn dust_in_disk(scene: &Scene) -> Option<Box<dyn Operator>> {
 /// What stirs the dust, with `hydro` in gas of particles.
 fn stirring(scene: &Scene, hydro: Option<&gas::Hydro>) -> Option<Box<dyn Operator>> {
     let dust = scene.dust.as_ref()?;
-    if dust.turbulence == 0.0 {
-        return None;
-    }
+    let strength = match dust.turbulence {
+        Turbulence::None => return None,
+        Turbulence::Given(alpha) => Strength::Given(alpha),
+        Turbulence::Measured { floor } => Strength::Measured { floor },
+    };
     let medium = match &scene.surroundings.disk {
         Some(disk) => Medium::Disk(gas_disk(disk)),
         None => Medium::particles(hydro?),
     };
-    let turbulence = dust::Turbulence {
-        alpha: dust.turbulence,
-    };
     let law = populate::dust_law(scene, dust);
-    Some(Box::new(Stir::new(turbulence, law, medium, scene.run.seed)))
+    Some(Box::new(Stir::new(strength, law, medium, scene.run.seed)))
 }
 
 /// What a shearing box takes over from its disk.

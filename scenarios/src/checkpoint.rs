@@ -12,7 +12,7 @@ use crate::hdf::{
 };
 
 /// Changes whenever what a checkpoint holds changes its meaning.
-pub const SCHEMA: u64 = 5;
+pub const SCHEMA: u64 = 6;
 
 /// A fact that is no column.
 #[derive(Clone, Debug, PartialEq)]

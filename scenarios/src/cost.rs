@@ -379,7 +379,8 @@ impl Probe {
 
     /// Base steps of the whole run.
     fn steps(&self) -> u64 {
-        let (schedule, longest) = (&self.schedule, self.system.longest);
+        let longest = self.system.longest.min(self.system.drag_step);
+        let schedule = &self.schedule;
         let (mut now, mut steps) = (schedule.start, 0.0);
         while now < schedule.end {
             let next = schedule.after(now);

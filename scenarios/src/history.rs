@@ -1,9 +1,10 @@
-//! The history of a run: tables that grow a line at a time (`ledger.csv`, `operators.csv`, `events.csv`, `torques.csv`), and what the run
+//! The history of a run: tables that grow a line at a time (`ledger.csv`, `operators.csv`, `events.csv`, `torques.csv`, `stress.csv`), and what the run
 //! cost (`timings.json`).
 //!
 //! Numbers are written with the fewest digits that read back to the same bits.
 
 pub mod operators;
+pub mod stress;
 pub mod torques;
 
 use std::fs::{self, File, OpenOptions};

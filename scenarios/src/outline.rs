@@ -11,7 +11,8 @@ use crate::cost;
 use crate::read::gas::{FORMULATIONS, name_of, viscosity_name};
 use crate::run::RunError;
 use crate::scene::{
-    BodyDrag, Collisions, Cooling, CoolingTime, Eos, Gradient, GrainMotion, Growth, Physical, Scene,
+    BodyDrag, Collisions, Cooling, CoolingTime, Eos, Gradient, GrainMotion, Growth, Physical,
+    Scene, Turbulence,
 };
 
 /// Wall-clock time for which a scene is advanced to see what it costs, s.
@@ -266,13 +267,7 @@ fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
             said.push(format!("  its type-I torques on {number} bodies with mass"));
         }
     }
-    if let Some(alpha) = scene.dust.as_ref().map(|dust| dust.turbulence)
-        && alpha > 0.0
-    {
-        said.push(format!(
-            "stirring of dust by turbulence of alpha = {alpha}, D = alpha c^2/Omega / (1 + St^2)"
-        ));
-    }
+    said.extend(stirring(scene));
     let massless = count(&|i| bodies.m[i] == 0.0);
     if massless > 0 {
         said.push(format!(
@@ -280,6 +275,20 @@ fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
         ));
     }
     said
+}
+
+/// What stirs the dust.
+fn stirring(scene: &Scene) -> Option<String> {
+    let alpha = match scene.dust.as_ref()?.turbulence {
+        Turbulence::None => return None,
+        Turbulence::Given(alpha) => format!("alpha = {alpha}"),
+        Turbulence::Measured { floor } => {
+            format!("the gas's own alpha, measured in rings (at least {floor})")
+        }
+    };
+    Some(format!(
+        "stirring of dust by turbulence of {alpha}, D = alpha c^2/Omega / (1 + St^2)"
+    ))
 }
 
 /// What a reader could expect and the scene leaves out.
@@ -337,7 +346,7 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             scene
                 .dust
                 .as_ref()
-                .is_some_and(|dust| dust.turbulence == 0.0),
+                .is_some_and(|dust| dust.turbulence == Turbulence::None),
             "turbulent stirring of dust",
         ),
         (

@@ -9,7 +9,7 @@ use std::sync::Arc;
 mod dust;
 mod growth;
 
-pub use self::dust::{Composition, Dust, DustAmount, DustBlock, DustDrag, Sizes};
+pub use self::dust::{Composition, Dust, DustAmount, DustBlock, DustDrag, Sizes, Turbulence};
 pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
 pub use gas::{
     BackgroundPressure, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity,
@@ -476,6 +476,12 @@ impl Scene {
         self.dust.is_some() && self.surroundings.disk.is_some()
     }
 
+    /// Whether the stress of the gas stirs the dust.
+    pub fn has_measured_alpha(&self) -> bool {
+        let dust = self.dust.as_ref();
+        dust.is_some_and(|dust| dust.turbulence.known().is_none())
+    }
+
     /// Whether anything kicks bodies by a formula.
     pub fn has_surroundings(&self) -> bool {
         self.surroundings != Surroundings::default()
@@ -506,6 +512,8 @@ pub struct Coupling {
     pub feedback: bool,
     /// Of the heat of friction, what the gas keeps; the rest is radiated.
     pub heat_share: f64,
+    /// Error of the splitting that base steps keep to; `None`: they do not depend on it.
+    pub tolerance: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
 use crate::scene::{
     Block, BodyDrag, Collisions, Coordinates, Disk, DiskAmount, Dust, DustDrag, Eos, Gas, GasDisk,
-    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes, TimeStep,
+    Integrator, Mass, Orbit, Planetesimals, Scene, Sizes, TimeStep, Turbulence,
 };
 use crate::units::System;
 
@@ -334,7 +334,10 @@ fn dust_rules(scene: &Scene, dust: &Dust, complaints: &Complaints<'_>) {
         let key = if inside { "outer" } else { "inner" };
         complaints.say(&format!("dust.{key}_radius"), &sentence);
     }
-    if dust.turbulence > 0.0 && dust.drag != DustDrag::None && !scene.coupling.gas_dust {
+    if dust.turbulence != Turbulence::None
+        && dust.drag != DustDrag::None
+        && !scene.coupling.gas_dust
+    {
         complaints.say(
             "dust.turbulence",
             "needs the drag of gas on dust, which coupling.drag leaves out",

@@ -10,7 +10,7 @@ use nbody::points::Vec3;
 use tridisk::trial::Trial;
 
 /// A wave of gas through which grains move, all with one step.
-const WAVE: &str = r#"
+pub const WAVE: &str = r#"
 [run]
 end_time = 10.0
 [units]
@@ -48,7 +48,7 @@ const END: f64 = 0.192;
 
 /// How the gas starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Start {
+pub enum Start {
     /// With a wave of its velocity, through grains of another.
     Moving,
     /// At rest like the grains, with a wave of its pressure.
@@ -56,7 +56,7 @@ enum Start {
 }
 
 impl Start {
-    fn prepare(self, gas: &mut gas::Particles) {
+    pub fn prepare(self, gas: &mut gas::Particles) {
         for i in 0..gas.x.len() {
             let (x, y) = (TAU * gas.x[i].x, TAU * gas.x[i].y);
             match self {
@@ -93,13 +93,15 @@ fn end(start: Start, more: &[&str], step: f64) -> Vec<Vec3> {
     found
 }
 
+/// Root mean square distance of `a` and `b`.
+pub fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
+    (sum / a.len() as f64).sqrt()
+}
+
 fn order(start: Start, more: &[&str]) -> f64 {
     let ends = [1.0, 2.0, 4.0].map(|part| end(start, more, STEP / part));
-    let distance = |a: &[Vec3], b: &[Vec3]| {
-        let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
-        (sum / a.len() as f64).sqrt()
-    };
-    let (coarse, fine) = (distance(&ends[0], &ends[1]), distance(&ends[1], &ends[2]));
+    let (coarse, fine) = (apart(&ends[0], &ends[1]), apart(&ends[1], &ends[2]));
     let order = (coarse / fine).log2();
     println!("{start:?}, {more:?}: differences {coarse:.2e}, {fine:.2e}, order {order:.3}");
     order

@@ -191,3 +191,34 @@ fn a_stirred_disk_has_the_same_bits_for_any_threads_and_after_a_restart() {
     let column = COLUMN.replace("end_time = 100.0", "end_time = 1.5");
     assert!(bench::resumes(bench::parsed(&column), 2.0));
 }
+
+/// A disk whose own stress stirs its dust.
+const MEASURED: [&str; 7] = [
+    "run.end_time=\"0.5 yr\"",
+    "run.snapshots=\"0.1 yr\"",
+    "gas.particles=3000",
+    "dust.particles=1000",
+    "planetesimals.number=10",
+    "dust.turbulence.alpha=\"measured\"",
+    "dust.turbulence.floor=1e-6",
+];
+
+#[test]
+fn the_stress_of_the_gas_stirs_and_is_written_and_a_resumed_run_has_its_bits() {
+    let scene = bench::scene("coupled/minimum-mass-disk.toml", &MEASURED);
+    assert!(bench::resumes(scene.clone(), 2.0));
+    let run = bench::run_scene(scene);
+    let columns = tridisk::history::read_numbers(&run.path("stress.csv")).expect("a history");
+    let column = |name: &str| &columns.iter().find(|(n, _)| n == name).expect("a column").1;
+    let (time, alpha, stirring) = (column("time"), column("alpha"), column("stirring"));
+    // Rings of a tenth in ln R from 0.5 to 1.5 au and the taper's beyond.
+    let rings = time.iter().filter(|t| **t == time[0]).count();
+    assert!((11..16).contains(&rings), "{rings} rings");
+    for (alpha, stirring) in alpha.iter().zip(stirring) {
+        assert_eq!(*stirring, alpha.max(1e-6));
+    }
+    // No subsonic flow has more than a sound speed's square.
+    let last = &alpha[alpha.len() - rings..];
+    println!("alpha of the settling disk: {last:.4?}");
+    assert!(last.iter().all(|a| a.abs() < 1.0) && last.iter().any(|a| *a != 0.0));
+}

@@ -64,6 +64,10 @@ const FEWEST: usize = 4;
 const WIDEST: usize = 192;
 
 impl Block {
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
     /// Finds the gas around the members.
     pub fn link<I: Immersed>(
         &mut self,

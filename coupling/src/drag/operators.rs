@@ -4,6 +4,7 @@ use gas::Hydro;
 use gas::probe::Reach;
 use nbody::points::{Columns, Fault, Vec3};
 
+use super::course::Course;
 use super::{BodiesInGas, Booking, Exchange, Grains, Half, Settings, Star, StoppingLaw};
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
@@ -12,6 +13,9 @@ const PLANET: u32 = nbody::Kind::Planet as u32;
 
 /// Immersed particles look for gas within this many of the largest smoothing lengths of the gas.
 const FARTHEST: f64 = 2.0;
+
+/// By how much a base step may be longer than the last, where a tolerance sets it.
+const GROWTH: f64 = 2.0;
 
 fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Exchange {
     let reach = Reach {
@@ -48,6 +52,8 @@ pub(super) fn book(system: &mut System, booking: &Booking, feedback: bool) {
 /// Drag between dust and gas.
 pub struct DustDrag {
     exchange: Exchange,
+    /// Error of the splitting of a step that base steps keep to; none: they do not depend on it.
+    pub tolerance: Option<f64>,
     active: Vec<u32>,
     steps: Vec<f64>,
 }
@@ -56,9 +62,45 @@ impl DustDrag {
     pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Self {
         Self {
             exchange: exchange(law, hydro, feedback, heat_share),
+            tolerance: None,
             active: Vec::new(),
             steps: Vec::new(),
         }
+    }
+
+    /// Notes how drag accelerates in the halves that open.
+    fn note(&self, system: &mut System) {
+        let rates = &mut system.dust.rates;
+        rates.opening_drag.resize(rates.v_pred.len(), Vec3::zeros());
+        for row in self.exchange.rows() {
+            rates.opening_drag[row.i as usize] = row.dv / self.steps[row.place as usize];
+        }
+    }
+
+    /// Chooses the longest that the base step after the next may be, by how drag went over the step that ends now.
+    fn learn(&self, system: &mut System, tolerance: f64) {
+        let (unit, rates) = (system.next.unit(), &system.dust.rates);
+        let mut longest = GROWTH * (system.next.end - system.next.start);
+        for row in self.exchange.rows() {
+            let i = row.i as usize;
+            let opening = rates.opening_drag.get(i).copied().unwrap_or_default();
+            let half = self.steps[row.place as usize];
+            if let Some(course) = Course::of(row, opening, half) {
+                let own = f64::from(rates.next_span[i]) * unit;
+                longest = course.allowed(longest, own, tolerance);
+            }
+        }
+        system.drag_step = longest;
+    }
+
+    /// Shortens the base step that begins now to what the tolerance of the splitting leaves it; the first, of which nothing is known, to a part of the
+    /// time in which sound and a grain cross a smoothing length.
+    fn pace(&self, system: &mut System, tolerance: f64) {
+        if system.clock.step == 0 {
+            let crossings = self.exchange.rows().map(|row| row.crossing);
+            system.drag_step = tolerance.sqrt() * crossings.fold(f64::INFINITY, f64::min);
+        }
+        system.next = system.clock.next_base(system.next.end, system.drag_step);
     }
 
     fn act(&mut self, system: &mut System, half: Half, step: impl Fn(&System, usize) -> f64) {
@@ -100,6 +142,9 @@ impl Operator for DustDrag {
         self.exchange
             .prepare(&system.gas, &mut grains, &self.active, &system.domain);
         meter.count(self.active.len(), 0);
+        if let Some(tolerance) = self.tolerance.filter(|_| system.clock.synchronous()) {
+            self.pace(system, tolerance);
+        }
         Ok(())
     }
 
@@ -108,6 +153,9 @@ impl Operator for DustDrag {
         self.act(system, Half::Closing, |s, i| {
             s.closing(s.dust.particles.begin[i], s.dust.particles.span[i])
         });
+        if let Some(tolerance) = self.tolerance.filter(|_| system.clock.synchronous()) {
+            self.learn(system, tolerance);
+        }
         Ok(true)
     }
 
@@ -116,6 +164,9 @@ impl Operator for DustDrag {
         self.act(system, Half::Opening, |s, i| {
             s.opening(s.dust.rates.next_span[i])
         });
+        if self.tolerance.is_some() {
+            self.note(system);
+        }
         Ok(true)
     }
 }

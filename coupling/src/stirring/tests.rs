@@ -53,7 +53,7 @@ fn system(n: u64) -> System {
 /// Walks of everybody in steps of `dt`, without any other motion.
 fn walk(system: &mut System, alpha: f64, steps: u64, dt: f64) {
     let law = StoppingLaw::ConstantStokes(1e-9);
-    let mut stir = Stir::new(Turbulence { alpha }, law, Medium::Disk(DISK), SEED);
+    let mut stir = Stir::new(Strength::Given(alpha), law, Medium::Disk(DISK), SEED);
     for _ in 0..steps {
         system.next = system.clock.next_base(f64::INFINITY, dt);
         system.next.end = system.next.start + dt;

@@ -40,7 +40,7 @@ fn walked(
     start: impl Fn(u64) -> Vec3,
     settling: impl Fn(f64) -> f64,
 ) -> Vec<Vec3> {
-    let turbulence = Turbulence { alpha: 0.1 };
+    let turbulence = Turbulence::uniform(0.1);
     (0..n)
         .map(|id| {
             (0..steps).fold(start(id), |x, step| {
@@ -145,7 +145,7 @@ fn settling_and_stirring_balance() {
 
 #[test]
 fn the_gradient_of_d_is_that_of_its_formula() {
-    let turbulence = Turbulence { alpha: 1e-3 };
+    let turbulence = Turbulence::uniform(1e-3);
     let sphere = Sphere {
         radius: 0.7,
         density: 1.3,
@@ -161,7 +161,7 @@ fn the_gradient_of_d_is_that_of_its_formula() {
 
 #[test]
 fn gas_that_is_next_to_nothing_carries_nobody() {
-    let turbulence = Turbulence { alpha: 0.1 };
+    let turbulence = Turbulence::uniform(0.1);
     for z in [30.0, 37.0, 38.5, 40.0] {
         let walk = turbulence.walk(&StoppingLaw::Epstein, &GRAIN, &air(z, 0.0), 0.1, Vec3::z());
         assert!(walk.norm() < 1e-100, "{z}: {walk}");

@@ -43,6 +43,7 @@ pub fn no_coupling() -> Coupling {
         gas_planetesimals: false,
         feedback: true,
         heat_share: 1.0,
+        tolerance: None,
     }
 }
 
@@ -170,6 +171,12 @@ fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
     pulls
 }
 
+/// Errors of the splitting that can be kept: relaxation makes none above 0.117.
+const TOLERANCE: Range = Range {
+    test: |x| (1e-8..=0.1).contains(&x),
+    text: "from 1e-8 to 0.1",
+};
+
 pub fn with_coupling(mut scene: Scene, root: &Section<'_>) -> Scene {
     let section = root.section("coupling");
     let dust_law = scene.dust.as_ref().map(|dust| dust.drag);
@@ -186,7 +193,14 @@ pub fn with_coupling(mut scene: Scene, root: &Section<'_>) -> Scene {
         gas_planetesimals: wants(1, can_bodies),
         feedback: section.flag("feedback").unwrap_or(true),
         heat_share: section.number("heat_share", Range::PART).unwrap_or(1.0),
+        tolerance: section.number("tolerance", TOLERANCE),
     };
+    if scene.coupling.tolerance.is_some() && !(gas && scene.coupling.gas_dust) {
+        section.wrong(
+            "tolerance",
+            "needs drag between [gas] of particles and [dust]: it is of the steps of that exchange",
+        );
+    }
     for (on, can, what, law) in [
         (
             scene.coupling.gas_dust,

@@ -4,7 +4,7 @@ use nbody::points::Dimension;
 
 use super::Facts;
 use crate::reader::{Range, Section};
-use crate::scene::{Collisional, ExactKernel, GrainMotion, Growth};
+use crate::scene::{Collisional, ExactKernel, GrainMotion, Growth, Turbulence};
 use crate::units::{Kind, System};
 
 const ENERGY: Kind = Kind::of(Dimension::new(2, 1, -2, 0));
@@ -46,7 +46,7 @@ const SHARE: Range = Range {
     text: "from 0 to 1",
 };
 
-pub fn growth(dust: &Section<'_>, facts: &Facts, stirred: f64) -> Option<Growth> {
+pub fn growth(dust: &Section<'_>, facts: &Facts, stirred: Turbulence) -> Option<Growth> {
     let section = dust.section("growth");
     if !section.present {
         return None;
@@ -85,7 +85,7 @@ pub fn growth(dust: &Section<'_>, facts: &Facts, stirred: f64) -> Option<Growth>
     growth
 }
 
-fn collisional(section: &Section<'_>, facts: &Facts, stirred: f64) -> Collisional {
+fn collisional(section: &Section<'_>, facts: &Facts, stirred: Turbulence) -> Collisional {
     if !(facts.has_gas || facts.has_formula) {
         section.wrong("", "needs [gas] or a [surroundings.disk], in which grains move; without gas allowed are the kernels \"constant\", \"sum\" and \"product\"");
     }
@@ -150,10 +150,14 @@ fn collisional(section: &Section<'_>, facts: &Facts, stirred: f64) -> Collisiona
 fn turbulence(
     section: &Section<'_>,
     facts: &Facts,
-    (stirred, physical): (f64, bool),
+    (stirred, physical): (Turbulence, bool),
 ) -> (f64, Option<f64>) {
     let alpha = section.number("alpha", Range::NOT_NEGATIVE);
-    let alpha = alpha.unwrap_or(stirred);
+    let alpha = alpha.or(stirred.known()).unwrap_or_else(|| {
+        let sentence = "needs a number of its own where dust.turbulence.alpha is \"measured\"";
+        section.wrong("alpha", sentence);
+        0.0
+    });
     let reynolds = section.number("reynolds", RATIO);
     if alpha == 0.0 {
         section.misplaced(&["reynolds"], "belongs to turbulence of some alpha");

@@ -11,10 +11,10 @@ use nbody::points::{ColumnRef, Columns, Dimension, Domain, Fault, Label, Populat
 use super::RunError;
 use crate::atomic::publish_bytes;
 use crate::history::{
-    EVENT_HEAD, LedgerRow, Phase, Table, Timings, operators, push_event, torques,
+    EVENT_HEAD, LedgerRow, Phase, Table, Timings, operators, push_event, stress, torques,
 };
 use crate::populate::sublimation::kelvins;
-use crate::scene::Scene;
+use crate::scene::{Scene, Turbulence};
 use crate::snapshot::{self, Group};
 use crate::stopwatch::Stopwatch;
 
@@ -31,6 +31,9 @@ const HISTORIES: [History; 3] = [
 /// The history that runs with planets among gas, dust or planetesimals have beside them.
 const TORQUES: History = ("torques.csv", &torques::HEAD);
 
+/// The history that runs have in which the stress of the gas stirs the dust.
+const STRESS: History = ("stress.csv", &stress::HEAD);
+
 /// The folder of a run with its open histories.
 pub struct Folder {
     path: PathBuf,
@@ -38,6 +41,9 @@ pub struct Folder {
     operators: Table,
     events: Table,
     torques: Vec<Table>,
+    stress: Vec<Table>,
+    /// The least alpha that stirs.
+    floor: f64,
 }
 
 impl Folder {
@@ -66,12 +72,20 @@ impl Folder {
         let pulled = scene.gas.is_some() || scene.dust.is_some() || small > 0;
         let pulled = pulled && !scene.planets.is_empty();
         let torques = pulled.then(|| table(HISTORIES.len(), TORQUES));
+        let turbulence = scene.dust.as_ref().map(|dust| dust.turbulence);
+        let floor = match turbulence {
+            Some(Turbulence::Measured { floor }) => Some(floor),
+            _ => None,
+        };
+        let stress = floor.map(|_| table(HISTORIES.len() + usize::from(pulled), STRESS));
         Ok(Self {
             path: path.to_path_buf(),
             ledger: ledger?,
             operators: operators?,
             events: events?,
             torques: torques.into_iter().collect::<Result<_, _>>()?,
+            stress: stress.into_iter().collect::<Result<_, _>>()?,
+            floor: floor.unwrap_or(0.0),
         })
     }
 
@@ -85,6 +99,7 @@ impl Folder {
         for table in [&self.ledger, &self.operators, &self.events]
             .into_iter()
             .chain(&self.torques)
+            .chain(&self.stress)
         {
             table.settle()?;
             rows.push(table.rows());
@@ -92,7 +107,7 @@ impl Folder {
         Ok(rows)
     }
 
-    /// Writes the books as they stand, and the torques of this report.
+    /// Writes the books as they stand, and the torques and the stress of this report.
     pub fn report(&mut self, row: &Report, system: &mut System) -> Result<(), RunError> {
         ledger_row(row).push_to(&mut self.ledger)?;
         let ledger = &system.ledger;
@@ -106,6 +121,9 @@ impl Folder {
         found.extend(system.braked.settle(row.time));
         for table in &mut self.torques {
             torques::push(row.time, &found, system, table)?;
+        }
+        for table in &mut self.stress {
+            stress::push(row.time, &system.stress, self.floor, table)?;
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use coupling::ledger::{Census, Entry, Totals};
+use coupling::stress::{Ring, Stress};
 use coupling::system::Stray;
 use coupling::torques::Braked;
 use coupling::{Pace, System};
@@ -60,6 +61,7 @@ pub fn write(
             clock.end,
             system.longest,
             system.bodies_step,
+            system.drag_step,
         ]),
     );
     let pace = system.pace;
@@ -130,6 +132,7 @@ pub fn write(
     let impulses: Vec<Vec3> = braked.impulses.iter().map(|(_, p)| *p).collect();
     draft.fact("braked since", Fact::Real(braked.since));
     draft.fact("braked impulses", Fact::Reals(flat(&impulses)));
+    draft.fact("stress", Fact::Reals(stress_reals(&system.stress)));
     draft.fact("wall_s", Fact::Real(watch.wall_s()));
     draft.fact(
         "cpu_s",
@@ -181,6 +184,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         next_span: tick(4),
     };
     (system.longest, system.bodies_step) = (clock[2], clock[3]);
+    system.drag_step = clock[4];
     system.look();
     system.pending_star = vectors(&file.reals("pending star")?);
     system.pending_bodies = vectors(&file.reals("pending bodies")?);
@@ -207,6 +211,7 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
         interactions: counts[3 * k + 2],
     };
     read_braked(&file, &mut system)?;
+    system.stress = stress_of(&file.reals("stress")?);
     Ok(Saved {
         system,
         laps: std::array::from_fn(lap),
@@ -224,6 +229,28 @@ fn read_braked(file: &Checkpoint, system: &mut System) -> Result<(), FileError> 
         impulses: ids.into_iter().zip(impulses).collect(),
     };
     Ok(())
+}
+
+fn stress_reals(stress: &Stress) -> Vec<f64> {
+    let rings = stress.rings.iter();
+    let averages = rings.flat_map(|ring| [ring.stress, ring.pressure]);
+    [stress.inner, stress.width, stress.time]
+        .into_iter()
+        .chain(averages)
+        .collect()
+}
+
+fn stress_of(reals: &[f64]) -> Stress {
+    let ring = |averages: &[f64]| Ring {
+        stress: averages[0],
+        pressure: averages[1],
+    };
+    Stress {
+        inner: reals[0],
+        width: reals[1],
+        time: reals[2],
+        rings: reals[3..].chunks(2).map(ring).collect(),
+    }
 }
 
 fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> {

@@ -21,10 +21,32 @@ pub struct Dust {
     pub outer_radius: f64,
     pub blocks: Vec<DustBlock>,
     pub drag: DustDrag,
-    /// alpha of the turbulence that stirs it; none if zero.
-    pub turbulence: f64,
+    pub turbulence: Turbulence,
     /// `None`: grains stay as they are.
     pub growth: Option<Growth>,
+}
+
+/// The turbulence that stirs dust.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turbulence {
+    None,
+    /// Of this alpha.
+    Given(f64),
+    /// Of the alpha of the gas's stress, no less than this.
+    Measured {
+        floor: f64,
+    },
+}
+
+impl Turbulence {
+    /// alpha where it is known beforehand; zero without turbulence.
+    pub fn known(self) -> Option<f64> {
+        match self {
+            Self::None => Some(0.0),
+            Self::Given(alpha) => Some(alpha),
+            Self::Measured { .. } => None,
+        }
+    }
 }
 
 /// What grains are made of at the start.

@@ -110,6 +110,9 @@ pub fn forces(text: &mut Text, scene: &Scene) {
     text.raw("drag", format_args!("{on:?}"));
     text.raw("feedback", scene.coupling.feedback);
     text.number("heat_share", scene.coupling.heat_share);
+    if let Some(tolerance) = scene.coupling.tolerance {
+        text.number("tolerance", tolerance);
+    }
     text.table("accuracy");
     text.text("preset", scene.accuracy.preset.name());
     text.number("acceleration_step", scene.accuracy.acceleration_step);

@@ -7,7 +7,7 @@ use super::text::Text;
 use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
 use crate::scene::{
     Block, Cooling, CoolingTime, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation,
-    Gas, Hydro, Lattice, Physical, Precision, Sizes, Thermal,
+    Gas, Hydro, Lattice, Physical, Precision, Sizes, Thermal, Turbulence,
 };
 
 pub fn write_gas(text: &mut Text, gas: &Gas) {
@@ -231,9 +231,17 @@ pub fn write_dust(text: &mut Text, dust: &Dust) {
         text.number("iron", iron);
         text.raw("sublimation", composition.sublimation);
     }
-    if dust.turbulence > 0.0 {
-        text.table("dust.turbulence");
-        text.number("alpha", dust.turbulence);
+    match dust.turbulence {
+        Turbulence::None => {}
+        Turbulence::Given(alpha) => {
+            text.table("dust.turbulence");
+            text.number("alpha", alpha);
+        }
+        Turbulence::Measured { floor } => {
+            text.table("dust.turbulence");
+            text.text("alpha", "measured");
+            text.number("floor", floor);
+        }
     }
     text.table("dust.drag");
     text.text("law", crate::read::dust::name(dust.drag));
