@@ -5,9 +5,9 @@
 //! heated by all of P, so that its state stays right: kinetic and internal energy then lose P_0 d(sum V), which is booked and stays
 //! within what the sum of volumes may vary by.
 //!
-//! `Least` is a part of the least P exp(-G max(0, div v) H / c), G = rho c^2 / P: of the least pressure there will be when sound has crossed
-//! the kernel, since gas that expands faster leaves voids, whose edges feel nothing of a pressure all around. It is set anew at the ends of
-//! base steps, and in between where gas falls below it: particles that pull at each other do not stay in order.
+//! `Least` is a part of the least P exp(-max(0, q - 1)), q = G div v H / c, G = rho c^2 / P: gas whose ln P falls by more than one while sound
+//! crosses the kernel leaves voids, whose edges feel nothing of a pressure all around. It is set anew at the ends of base steps, and in
+//! between where gas falls below it: particles that pull at each other do not stay in order.
 
 use nbody::points::{Clock, sum};
 
@@ -18,7 +18,7 @@ use crate::{Gas, Hydro};
 pub enum BackgroundPressure {
     /// This one, code units of pressure (in the plane, of energy an area).
     Fixed(f64),
-    /// A part of the least pressure that the gas will have; nothing where a side is open, since a vacuum is around.
+    /// A part of the least pressure of the gas; nothing where a side is open, since a vacuum is around.
     Least,
 }
 
@@ -73,15 +73,19 @@ impl Gas {
         self.background.volume = volume;
     }
 
-    /// The least pressure of the active particles a sound crossing from now; zero where it is negative.
+    /// The least pressure of the active particles, less where they fly apart; zero where it is negative.
     fn least_pressure(&self, support: f64) -> f64 {
         let (derived, h) = (&self.derived, &self.particles.h);
         let expected = |&i: &u32| {
             let i = i as usize;
             let (p, cs) = (derived.p[i], derived.cs[i]);
             let crossing = support * h[i] / cs;
-            let fall = derived.rho[i] * cs * cs / p * derived.div_v[i].max(0.0) * crossing;
-            if p > 0.0 { p * (-fall).exp() } else { 0.0 }
+            let fall = derived.rho[i] * cs * cs / p * derived.div_v[i] * crossing;
+            if p > 0.0 {
+                p * (1.0 - fall).min(0.0).exp()
+            } else {
+                0.0
+            }
         };
         let active = self.vicinity.active.iter().map(expected);
         active.fold(f64::INFINITY, f64::min)
@@ -140,11 +144,11 @@ mod tests {
         gas.vicinity.active = vec![6, 7];
         gas.set_background(&hydro, &clock);
         assert_eq!(gas.background.pressure, 0.95 * thin);
-        // A void opens about one that expands as fast as sound crosses its kernel.
+        // A void opens about one that expands faster than sound crosses its kernel.
         let fall = |gas: &Gas| {
             gas.derived.rho[7] * gas.derived.cs[7] * hydro.support() * gas.particles.h[7] / thin
         };
-        gas.derived.div_v[7] = 3.0 / fall(&gas);
+        gas.derived.div_v[7] = 4.0 / fall(&gas);
         gas.set_background(&hydro, &clock);
         let expected = 0.95 * thin * (-3.0f64).exp();
         assert!((gas.background.pressure / expected - 1.0).abs() < 1e-12);

@@ -467,7 +467,8 @@ fn what_forces_leave_out_heats_free_gas_all_the_same() {
             .map(|i| {
                 let crossing = support * whole.particles.h[i] / derived.cs[i];
                 let by_density = derived.rho[i] * derived.cs[i].powi(2) / derived.p[i];
-                derived.p[i] * (-by_density * crossing * derived.div_v[i].max(0.0)).exp()
+                let fall = by_density * crossing * derived.div_v[i];
+                derived.p[i] * (-(fall - 1.0).max(0.0)).exp()
             })
             .fold(f64::INFINITY, f64::min);
         println!("{formulation:?} {}", background / least);
