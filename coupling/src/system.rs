@@ -169,6 +169,8 @@ pub struct System {
     /// The pulls on planets when last reported, and what drag has given them since.
     pub torques: Vec<Torque>,
     pub braked: Braked,
+    /// How often places of the gas were solved for since the start of the run.
+    pub solves: gas::Solves,
 }
 
 impl System {
@@ -204,6 +206,7 @@ impl System {
             events: Vec::new(),
             potential: 0.0,
             torques: Vec::new(),
+            solves: gas::Solves::default(),
             braked: Braked {
                 since: time,
                 ..Braked::default()
