@@ -107,20 +107,28 @@ impl Gas {
         Ok(())
     }
 
-    /// Gives the active particles the contents that go with their pressures, if they differ by more than is allowed: the largest relative difference.
+    /// Gives the active particles contents nearer to those that go with their pressures, if any differs by more than is allowed: the largest relative
+    /// difference.
     fn renew_contents(&mut self, hydro: &Hydro) -> f64 {
-        let (d, u, offset) = (&self.derived, &self.rates.u_pred, hydro.eos.offset());
+        let (d, u, eos) = (&self.derived, &self.rates.u_pred, &hydro.eos);
         let active = &self.vicinity.active;
         let of = |&i: &u32| {
-            let (i, q) = (i as usize, d.p[i as usize] + offset);
-            q / hydro.eos.density(q, u[i], d.rho[i])
+            let i = i as usize;
+            let q = d.p[i] + eos.offset();
+            let rho = eos.density(q, u[i], d.rho[i]);
+            let off = q / rho / d.content[i] - 1.0;
+            (
+                off.abs(),
+                d.content[i] * (1.0 + eos.pace(q, rho, u[i]) * off),
+            )
         };
-        let renewed: Vec<f64> = active.par_iter().with_min_len(MANY).map(of).collect();
-        let change = |(&i, x): (&u32, &f64)| (x / d.content[i as usize] - 1.0).abs();
-        let most = active.iter().zip(&renewed).map(change).fold(0.0, f64::max);
+        let renewed: Vec<_> = active.par_iter().with_min_len(MANY).map(of).collect();
+        let most = renewed
+            .iter()
+            .fold(0.0, |most: f64, (off, _)| most.max(*off));
         if most > CONTENT {
-            for (&i, x) in active.iter().zip(renewed) {
-                self.derived.content[i as usize] = x;
+            for (&i, (_, content)) in active.iter().zip(renewed) {
+                self.derived.content[i as usize] = content;
             }
         }
         most

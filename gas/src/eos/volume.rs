@@ -2,14 +2,15 @@
 //!
 //! q = P + Pi,   rho(q, u): P(rho, u) + Pi = q,   x_i = m_i q_i / rho(q_i, u_i),   q_i = sum_j x_j W(r_ij, H_i)
 //!
-//! The last two are solved together by repetition, which leaves a wave of q the part (1 - d ln rho / d ln q) of its error times the kernel's. Pi is nothing
-//! for gas, as published; a liquid or solid in tension would bring a negative x, so it has
+//! The last two are solved together by repetition, each time by the part 2 / (1 + G) of the way where G = q / (rho c_s^2), about d ln rho / d ln q, is
+//! above one: all of the way would leave the part (1 - G) of an error. Pi is nothing for gas, as published; a liquid or solid in tension would bring a
+//! negative x, so it has
 //!
 //! stiffened:  Pi = gamma p_0:  x = (gamma - 1) m u, nothing to repeat, and no tension that it bears has q below zero
-//! Tillotson:  Pi = A:  d ln rho / d ln q is about one near rest; the deepest tension of cold matter is A^2 / 4B
+//! Tillotson:  Pi = A:  G is about one near rest; the deepest tension of cold matter is A^2 / 4B
 //!
 //! The root rho is sought by secants near the density of the sum; where P does not rise with it or there is none, that density is taken.
-//! Source: Hosono, Saitoh & Makino (2013), PASJ 65, 108, section 2; Pi and the search are ours.
+//! Source: Hosono, Saitoh & Makino (2013), PASJ 65, 108, section 2; Pi, the part of the way and the search are ours.
 
 use super::Eos;
 
@@ -27,6 +28,13 @@ impl Eos {
             Self::Tillotson(law) => law.bulk,
             _ => 0.0,
         }
+    }
+
+    /// The part of the way to go in a repetition, for matter of these states.
+    pub fn pace(&self, q: f64, rho: f64, u: f64) -> f64 {
+        let stiffness = q / (rho * self.sound_speed(rho, u).powi(2));
+        // Also where it is not a number.
+        2.0 / (1.0 + stiffness.max(1.0))
     }
 
     /// The density at which P + Pi = `q`, near `rho`.

@@ -6,6 +6,7 @@
 pub mod blob;
 pub mod evrard;
 pub mod gresho;
+pub mod liquid;
 pub mod noh;
 mod picture;
 pub mod riemann;

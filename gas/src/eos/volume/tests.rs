@@ -6,7 +6,7 @@ use nbody::points::{Clock, Columns, Domain, Vec3};
 
 use super::super::{Barotropic, Stiffened, Table, tillotson};
 use crate::samples::{lattice, noise, still};
-use crate::{Eos, Formulation, Gas, Hydro, Viscosity, alone};
+use crate::{Eos, Formulation, Gas, Hydro, KernelKind, Viscosity, alone};
 
 const WATER: Stiffened = Stiffened {
     gamma: 4.4,
@@ -79,13 +79,15 @@ fn contact(eos: &Eos, states: [(f64, f64); 2], formulation: Formulation) -> (Gas
             alpha: 1.0,
             beta: 2.0,
         },
+        kernel: KernelKind::QuinticSpline,
+        neighbours: 22.8,
         tolerance: 1e-12,
         ..Hydro::new(domain, eos.clone())
     };
     (Gas::new(particles), hydro)
 }
 
-/// The largest speed by that of sound after a sound crossing of ten spacings, and the spread of the pressure at the start by rho c^2.
+/// The largest speed by that of sound after sound crossings of five spacings, and the spread of the pressure at the start by rho c^2.
 fn stir(eos: &Eos, states: [(f64, f64); 2], formulation: Formulation) -> [f64; 2] {
     let (mut gas, hydro) = contact(eos, states, formulation);
     gas.density(&hydro, &Clock::standing(0.0), Vec3::zeros())
@@ -98,7 +100,7 @@ fn stir(eos: &Eos, states: [(f64, f64); 2], formulation: Formulation) -> [f64; 2
         });
     let [rho, u] = [states[0].0, states[0].1];
     let c = eos.sound_speed(rho, u);
-    let time = 10.0 / 24.0 / c;
+    let time = 5.0 / 24.0 / c;
     alone::advance(&mut gas, &hydro, 0.0, time, time).expect("a run");
     let speed = gas
         .particles
@@ -110,14 +112,15 @@ fn stir(eos: &Eos, states: [(f64, f64); 2], formulation: Formulation) -> [f64; 2
 
 #[test]
 fn a_contact_at_rest_stays_quiet() {
+    // Of water what is left is rounding; of the others, what a lattice's sums are wrong by and the repetitions leave.
     // Water and hot water, at a hundredth of its stiffening; cold and warm basalt at a twentieth of its bulk modulus; a dense gas.
     let water = [1.0, 0.5].map(|rho| (rho, WATER.energy(rho, 0.01)));
-    let rock = [0.05, 0.4].map(|u| (basalt().density(0.05 + basalt().offset(), u, 1.0), u));
+    let rock = [0.02, 0.2].map(|u| (basalt().density(0.05 + basalt().offset(), u, 1.0), u));
     let gas = [1.0, 2.0].map(|u| (dense().density(0.5, u, 1.0), u));
     let cases = [
-        (Eos::Stiffened(WATER), water, 1e-6),
-        (basalt(), rock, 2e-3),
-        (dense(), gas, 2e-3),
+        (Eos::Stiffened(WATER), water, 1e-13),
+        (basalt(), rock, 1.2e-4),
+        (dense(), gas, 1.1e-5),
     ];
     let mut quiet = true;
     for (eos, states, bar) in cases {
@@ -125,14 +128,14 @@ fn a_contact_at_rest_stays_quiet() {
         let [density, pressure] =
             [Formulation::Density, Formulation::Pressure].map(|by| stir(&eos, states, by));
         println!("speed and spread of pressure: density {density:?}, pressure {pressure:?}");
-        quiet &= density[0] > 0.01 && pressure.iter().all(|x| *x < bar);
+        quiet &= density[0] > 0.002 && pressure.iter().all(|x| *x < bar);
     }
     assert!(quiet);
 }
 
 #[test]
 fn disordered_liquid_and_rock_keep_momentum_and_nearly_energy() {
-    let rock = [0.05, 0.4].map(|u| (basalt().density(0.05 + basalt().offset(), u, 1.0), u));
+    let rock = [0.02, 0.2].map(|u| (basalt().density(0.05 + basalt().offset(), u, 1.0), u));
     let water = [1.0, 0.7].map(|rho| (rho, WATER.energy(rho, 0.01)));
     for (eos, states) in [(Eos::Stiffened(WATER), water), (basalt(), rock)] {
         let (gas, hydro) = contact(&eos, states, Formulation::Pressure);
@@ -166,7 +169,7 @@ fn disordered_liquid_and_rock_keep_momentum_and_nearly_energy() {
         let energy = (after.1 - before.1 - account.heat.floored) / before.2;
         println!("momentum {momentum:e}, energy by the motion's {energy:e}");
         assert!(
-            momentum < 1e-13 && energy.abs() < 0.02,
+            momentum < 1e-13 && energy.abs() < 0.012,
             "{momentum:e} {energy:e}"
         );
     }
