@@ -188,7 +188,7 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     own(
         "gas-liquid",
-        "shock tube and contact of a stiffened gas, by sums of densities and of pressures; about 20 seconds",
+        "shock tube and contact of a stiffened gas, by sums of densities and of pressures; about 5 seconds",
         gas::liquid::rows,
     ),
     own(

@@ -120,6 +120,7 @@ fn sums_of_pressures_have_the_same_bits_after_a_restart() {
         "formulation = \"pressure\"\n[gas.eos]\nkind = \"stiffened\"\ngamma = 4.4\nstiffening_pressure = 1.0\n",
         "formulation = \"pressure\"\n[gas.eos]\nkind = \"barotropic\"\nsound_speed = 1.0\ncritical_density = 0.5\n",
     ];
+    let mut lost = Vec::new();
     for keys in cases {
         let text = format!(
             "[run]\nend_time = 0.1\nsnapshots = 0.05\n[units]\nsystem = \"dimensionless\"\n[domain]\nkind = \"periodic\"\n\
@@ -132,6 +133,9 @@ fn sums_of_pressures_have_the_same_bits_after_a_restart() {
                 "pressure = 1.0\n"
             }
         );
-        assert!(bench::resumes(bench::parsed(&text), 1.0), "{keys}");
+        if !bench::resumes(bench::parsed(&text), 1.0) {
+            lost.push(keys);
+        }
     }
+    assert!(lost.is_empty(), "{lost:?}");
 }
