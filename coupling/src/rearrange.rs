@@ -3,6 +3,7 @@
 //!
 //! What the moved particles gain or lose in gravity is not made up for: it is in the error of the energy.
 
+use gas::rearrangement::Order;
 use gas::{Hydro, Rearrangement};
 use nbody::points::Fault;
 
@@ -10,7 +11,7 @@ use crate::System;
 use crate::ledger::Census;
 use crate::operator::{Meter, Operator, Phase};
 
-/// Rearranges gas that shears.
+/// Rearranges gas.
 pub struct RearrangeGas {
     hydro: Hydro,
     law: Rearrangement,
@@ -19,10 +20,10 @@ pub struct RearrangeGas {
 }
 
 impl RearrangeGas {
-    pub fn new(hydro: Hydro, strength: f64) -> Self {
+    pub fn new(hydro: Hydro, order: Order) -> Self {
         Self {
             hydro,
-            law: Rearrangement::new(strength),
+            law: Rearrangement::new(order),
             shifted: false,
         }
     }
@@ -43,7 +44,8 @@ impl Operator for RearrangeGas {
         if self.shifted {
             meter.enter(Phase::Hydro);
             self.hydro.domain = system.domain;
-            let crossed = self.law.shift(&mut system.gas, &self.hydro, dt);
+            let (crossed, solves) = self.law.shift(&mut system.gas, &self.hydro, dt);
+            system.solves = system.solves.and(solves);
             system.ledger.receive(crossed);
             meter.count(0, 0);
         }
@@ -51,6 +53,7 @@ impl Operator for RearrangeGas {
     }
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
+        self.law.begin(&mut system.gas);
         if !std::mem::take(&mut self.shifted) {
             return Ok(false);
         }

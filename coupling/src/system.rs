@@ -174,6 +174,8 @@ pub struct System {
     pub braked: Braked,
     /// The stress of the gas in rings about the star; empty unless somebody measures it.
     pub stress: Stress,
+    /// How often places of the gas were solved for since the start of the run.
+    pub solves: gas::Solves,
 }
 
 impl System {
@@ -210,6 +212,7 @@ impl System {
             events: Vec::new(),
             potential: 0.0,
             torques: Vec::new(),
+            solves: gas::Solves::default(),
             braked: Braked {
                 since: time,
                 ..Braked::default()

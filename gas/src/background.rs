@@ -99,9 +99,13 @@ impl Gas {
     /// Sum of x / y.
     fn volume(&self, hydro: &Hydro) -> f64 {
         let (m, rho, ratio) = (&self.particles.m, &self.derived.rho, &self.derived.p_ratio);
+        let (p, content) = (&self.derived.p, &self.derived.content);
         let weighs = hydro.formulation == crate::Formulation::Pressure;
         sum::ordered(m.len(), 0.0, |range| {
             range.fold(0.0, |sum, i| {
+                if let Some(content) = content.get(i) {
+                    return sum + m[i] * content / (p[i] + hydro.eos.offset());
+                }
                 let share = if weighs {
                     ratio[i].powf(-hydro.exponent)
                 } else {

@@ -36,6 +36,16 @@ use sums::QUADS;
 use sweep::Sweep;
 pub use sweep::Target;
 
+/// Relative error of what particles bring into sums of pressures that are solved for, and how often these are repeated at most.
+const CONTENT: f64 = 1e-6;
+const REPEATS: usize = 30;
+
+/// Particles a task.
+const MANY: usize = 256;
+
+/// What switches of the viscosity remember: alpha, and the trace of the velocity gradient.
+type Switches = (Vec<f64>, Vec<f64>);
+
 impl Gas {
     /// Renews what follows from the state: for active particles h and all of `derived`; for the others, which are predicted, pressure and
     /// sound speed. `centre` is where the star stands, for gas whose temperature depends on it. Returns the number of active particles.
@@ -45,9 +55,13 @@ impl Gas {
             // New gas: the sums look at sound speeds, which nobody knows before the first.
             self.density_near(hydro, clock, centre)?;
         }
+        let switches = hydro.solves_pressure().then(|| self.switches(hydro));
         let settled = self.density_near(hydro, clock, centre)?;
         if !self.beyond.is_empty() {
             self.density_far(hydro, clock, centre)?;
+        }
+        if let Some(switches) = switches {
+            self.solve_pressure(hydro, (clock, centre), switches)?;
         }
         self.states_exist(hydro, clock)?;
         Ok(settled)
@@ -64,6 +78,60 @@ impl Gas {
         late.clear();
         self.beyond = late;
         found
+    }
+
+    /// What switches of the viscosity remember.
+    fn switches(&mut self, hydro: &Hydro) -> Switches {
+        self.remember(hydro);
+        let p = &self.particles;
+        (p.alpha.clone(), p.trace_v.clone())
+    }
+
+    /// Repeats the sums of the active particles until what they bring into them goes with the pressures.
+    fn solve_pressure(
+        &mut self,
+        hydro: &Hydro,
+        of: (&Clock, Vec3),
+        switches: Switches,
+    ) -> Result<(), Fault> {
+        for _ in 0..REPEATS {
+            if self.renew_contents(hydro) <= CONTENT {
+                break;
+            }
+            let p = &mut self.particles;
+            p.alpha.clone_from(&switches.0);
+            p.trace_v.clone_from(&switches.1);
+            self.beyond.clear();
+            self.density_by(hydro, of, None)?;
+        }
+        Ok(())
+    }
+
+    /// Gives the active particles contents nearer to those that go with their pressures, if any differs by more than is allowed: the largest relative
+    /// difference.
+    fn renew_contents(&mut self, hydro: &Hydro) -> f64 {
+        let (d, u, eos) = (&self.derived, &self.rates.u_pred, &hydro.eos);
+        let active = &self.vicinity.active;
+        let of = |&i: &u32| {
+            let i = i as usize;
+            let q = d.p[i] + eos.offset();
+            let rho = eos.density(q, u[i], d.rho[i]);
+            let off = q / rho / d.content[i] - 1.0;
+            (
+                off.abs(),
+                d.content[i] * (1.0 + eos.pace(q, rho, u[i]) * off),
+            )
+        };
+        let renewed: Vec<_> = active.par_iter().with_min_len(MANY).map(of).collect();
+        let most = renewed
+            .iter()
+            .fold(0.0, |most: f64, (off, _)| most.max(*off));
+        if most > CONTENT {
+            for (&i, (_, content)) in active.iter().zip(renewed) {
+                self.derived.content[i as usize] = content;
+            }
+        }
+        most
     }
 
     /// A fault for the first active particle that the equation of state has no pressure or sound speed for.
@@ -130,6 +198,9 @@ impl Gas {
         } else {
             self.derived.p_ratio.clear();
         }
+        if hydro.solves_pressure() {
+            self.derived.content.resize(n, 0.0);
+        }
         if hydro.viscosity.switches() {
             self.derived.curl_v.resize(n, 0.0);
         }
@@ -152,6 +223,7 @@ impl Gas {
         let nodes = &self.tree.nodes;
         let p = Parts::new(&mut self.derived.p);
         let cs = Parts::new(&mut self.derived.cs);
+        let content = Parts::new(&mut self.derived.content);
         let u = Parts::new(&mut self.rates.u_pred);
         let near = self.vicinity.near.par_iter().with_min_len(FEW);
         near.for_each(|&leaf| {
@@ -172,6 +244,14 @@ impl Gas {
                 }
                 let bound = hydro.eos.bound_energy(x[i] - centre, rho[i]);
                 u[k] = bound.unwrap_or(u[k]);
+                if hydro.solves_pressure() {
+                    let q = (hydro.eos.pressure(rho[i], u[k]) + hydro.eos.offset()) * ratio[i];
+                    let at = hydro.eos.density(q, u[k], rho[i]);
+                    (p[k], cs[k]) = (q - hydro.eos.offset(), hydro.eos.sound_speed(at, u[k]));
+                    // SAFETY: as above.
+                    unsafe { content.part(i..i + 1)[0] = q / at };
+                    continue;
+                }
                 p[k] = hydro.eos.pressure(rho[i], u[k]) * ratio.get(i).unwrap_or(&1.0);
                 cs[k] = hydro.eos.sound_speed(rho[i], u[k]);
             }
@@ -206,6 +286,7 @@ impl Gas {
             particles,
             cs: &derived.cs,
             rho: &derived.rho,
+            content: &derived.content,
             v,
         };
         packed.fill::<QUADS>(&frame, near, |i, _, _| (0.0, pack.source::<E>(i)));

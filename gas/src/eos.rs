@@ -17,6 +17,7 @@ mod isothermal;
 pub mod stiffened;
 pub mod table;
 pub mod tillotson;
+mod volume;
 
 pub use barotropic::Barotropic;
 pub use stiffened::Stiffened;
@@ -82,7 +83,7 @@ impl Eos {
         self.binding() == Binding::Free
     }
 
-    /// Whether P/rho and u are constant multiples of c_s^2, so that the sound speed says both: sums of pressure and conduction need that.
+    /// Whether P/rho and u are constant multiples of c_s^2, so that the sound speed says both: conduction needs that.
     pub fn follows_sound_speed(&self) -> bool {
         !self.follows_density()
     }

@@ -80,6 +80,8 @@ impl Gas {
             hydro,
             flux: &flux,
             background: self.background.pressure,
+            offset: hydro.eos.offset() * units.length.powi(hydro.dimensions() as i32)
+                / (units.mass * units.velocity * units.velocity),
         };
         let pack = Pack {
             clock,

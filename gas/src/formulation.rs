@@ -4,7 +4,8 @@
 //! m_i dv_i/dt = -sum_j x_i x_j [ f_ij P_i/y_i^2 grad W(r, H_i) + f_ji P_j/y_j^2 grad W(r, H_j) ]
 //!
 //! density:   x = m,                      y = rho, P from rho and u
-//! pressure:  x = m P(rho, u)^zeta / rho, y = P^zeta: a step of density at equal pressure is no step of y; zeta = 1 unless set, less for shocks
+//! pressure:  x = m P(rho, u)^zeta / rho, y = P^zeta: a step of density at equal pressure is no step of y; zeta = 1 unless set, less for shocks;
+//!            of gas that is not ideal P / rho follows from y, see [`crate::eos`]
 //! number:    x = 1,                      y = n = rho / m, P from rho and u: neighbours of other mass are no denser for it
 //! smoothed:  x = m,                      y = rho, P = sum_j m_j (P/rho)_j W, as if u had been averaged
 //!

@@ -91,16 +91,22 @@ impl Hydro {
         self.domain.dimensions()
     }
 
-    /// The setting that the equation of state cannot stand beside: sums of pressure and conduction take P/rho and u from the sound speed.
+    /// The setting that the equation of state cannot stand beside: sums of energy and conduction take P/rho and u from the sound speed.
     pub fn unsuited(&self) -> Option<&'static str> {
         if self.eos.follows_sound_speed() {
             return None;
         }
         match (self.formulation, self.conduction.alpha > 0.0) {
-            (Formulation::Pressure, _) => Some("hydro.formulation"),
+            (Formulation::Smoothed, _) => Some("hydro.formulation"),
             (_, true) => Some("conduction.alpha"),
             _ => None,
         }
+    }
+
+    /// Whether pressures and what is summed to them are solved for together.
+    #[inline(always)]
+    pub fn solves_pressure(&self) -> bool {
+        self.formulation == Formulation::Pressure && self.eos.follows_density()
     }
 
     /// Whether heat is conducted.
@@ -128,6 +134,18 @@ impl Hydro {
             return Some((
                 "hydro.background_pressure",
                 "is left out of the forces of gas of free energy where gradient = \"standard\"",
+            ));
+        }
+        if self.solves_pressure() && self.exponent != 1.0 {
+            return Some((
+                "hydro.pressure_exponent",
+                "has no meaning where pressures may be negative or are solved for; allowed there is 1",
+            ));
+        }
+        if self.solves_pressure() && self.gradient == Gradient::Matrix {
+            return Some((
+                "hydro.gradient",
+                "\"matrix\" weighs by pressures, which may be negative in this equation of state; allowed there is \"standard\"",
             ));
         }
         match self.formulation {
@@ -160,7 +178,7 @@ impl Hydro {
     /// P / rho in units of a sweep, which a stress needs to be more than nothing where x goes with it: it is weighed by x / y.
     #[inline(always)]
     pub(crate) fn floored(&self, p_by_rho: f64) -> f64 {
-        if self.formulation == Formulation::Pressure && self.stressed() {
+        if self.formulation == Formulation::Pressure && self.stressed() && !self.solves_pressure() {
             p_by_rho.max(LEAST)
         } else {
             p_by_rho
@@ -179,7 +197,7 @@ impl Hydro {
         let shifted = self.formulation == Formulation::Pressure
             && self.background_pressure.is_some()
             && self.conducts();
-        !(self.stressed() || zeta || smoothed || shifted)
+        !(self.stressed() || zeta || smoothed || shifted || self.solves_pressure())
     }
 
     /// Kernel support by smoothing length, H / h.

@@ -39,7 +39,7 @@ pub use kernel::{
     CubicSpline, Kernel, KernelKind, QuinticSpline, WendlandC2, WendlandC4, WendlandC6,
 };
 pub use particles::{Derived, Gas, Particles, Rates};
-pub use rearrangement::Rearrangement;
+pub use rearrangement::{Rearrangement, Solves};
 pub use timestep::Heat;
 pub use totals::Totals;
 pub use viscosity::Viscosity;

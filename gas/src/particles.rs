@@ -40,6 +40,8 @@ columns! {
         alpha: Real = Label::snapshot("ViscosityParameters", Dimension::NONE, "viscosity parameter alpha"),
         /// trace of the linear-exact velocity gradient, kept for a switch that asks for its change
         trace_v: Real = Label::checkpoint("VelocityTraces", Dimension::RATE, "trace of the linear-exact velocity gradient").optional(),
+        /// density that the continuity equation says, where particles are placed by it
+        target: Real = Label::checkpoint("TargetDensities", Dimension::DENSITY, "density that the continuity equation says").optional(),
         /// tick at which the present step began
         begin: Short = Label::checkpoint("StepBegins", Dimension::NONE, "tick at which the step began"),
         /// planned length of the present step in ticks
@@ -72,6 +74,8 @@ columns! {
         v_sig: Real = Label::checkpoint("SignalSpeeds", Dimension::VELOCITY, "largest signal speed towards a neighbour"),
         /// pressure of the formulation by that of density and energy, where they are two
         p_ratio: Real = Label::checkpoint("PressureRatios", Dimension::NONE, "pressure of the formulation by that of density and energy").optional(),
+        /// what it brings into sums of pressures by its mass, where that is solved for
+        content: Real = Label::checkpoint("PressureContents", Dimension::SPECIFIC_ENERGY, "what sums of pressures have of the particle, by its mass").optional(),
         /// diagonal of the correction of gradients, where particles bring a stress
         correction: Vector = Label::checkpoint("GradientCorrections", Dimension::NONE, "diagonal of the correction of gradients").optional(),
         /// its yz, zx and xy components

@@ -127,7 +127,9 @@ impl Probe {
 
 /// Square of the isothermal sound speed of gas particle j, by its own temperature whatever sum its pressure is.
 pub fn isothermal(gas: &Gas, j: usize) -> f64 {
-    let ratio = gas.derived.p_ratio.get(j).copied().unwrap_or(1.0);
+    let solved = !gas.derived.content.is_empty();
+    let ratio = gas.derived.p_ratio.get(j).filter(|_| !solved);
+    let ratio = ratio.copied().unwrap_or(1.0);
     gas.derived.p[j] / (gas.derived.rho[j] * ratio)
 }
 

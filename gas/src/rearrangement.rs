@@ -8,9 +8,11 @@
 //! drive, momentum does not diffuse in the mean. All is pair by pair: mass centre and momentum are exact. The torque left is taken out by
 //! rotations of a few dozen neighbouring particles, the work of the exchange out of u, pair by pair. Left alone: particles at an edge, where
 //! neighbours are one-sided. First order: what is moved in a step is a small part of s, and fields of curvature k diffuse with some (k s)^2.
+//! That is the repulsion; the other way to order is that of [`continuity`], which closes its books alike.
 //! Sources: Monaghan (2000), J. Comput. Phys. 159, 290 (repulsion at short range); Lind et al. (2012), J. Comput. Phys. 231, 1499 (shift, with fields
 //! corrected by gradients); the problem: Imaeda & Inutsuka (2002), ApJ 569, 501.
 
+mod continuity;
 mod groups;
 mod pair;
 mod site;
@@ -20,6 +22,7 @@ use nbody::points::{Domain, Tree, Vec3};
 use rayon::prelude::*;
 
 use crate::{Gas, Hydro};
+pub use continuity::{Continuity, Solves};
 use pair::Law;
 use site::Site;
 
@@ -34,11 +37,20 @@ struct Move {
     u: f64,
 }
 
+/// What particles are moved by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// Their rate by that of the shear.
+    Repulsion {
+        strength: f64,
+    },
+    Continuity(Continuity),
+}
+
 /// How gas of a scene is rearranged, and what the last shift was.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Rearrangement {
-    /// Its rate by that of the shear.
-    strength: f64,
+    order: Order,
     sites: Vec<Site>,
     moves: Vec<Move>,
     spare: (Vec<Site>, Vec<Move>),
@@ -58,22 +70,59 @@ pub struct Settled {
 }
 
 impl Rearrangement {
-    pub fn new(strength: f64) -> Self {
-        assert!(strength > 0.0, "without strength there is no rearrangement");
+    pub fn new(order: Order) -> Self {
+        if let Order::Repulsion { strength } = order {
+            assert!(strength > 0.0, "without strength there is no rearrangement");
+        }
         Self {
-            strength,
-            ..Self::default()
+            order,
+            sites: Vec::new(),
+            moves: Vec::new(),
+            spare: Default::default(),
+            longest: 0.0,
+        }
+    }
+
+    /// What particles do to each other; of the last shift's sites.
+    fn law(&self, hydro: &Hydro) -> Law {
+        match self.order {
+            Order::Repulsion { .. } => Law::repulsion(hydro),
+            Order::Continuity(_) => Law::potential(hydro),
+        }
+    }
+
+    /// How far the nodes of `tree` are seen from, where the farther of two reaches counts; else empty.
+    fn extent(&self, tree: &Tree) -> Vec<f64> {
+        let mut extent = Vec::new();
+        if let Order::Continuity(_) = self.order {
+            let far = 2.0 * self.longest;
+            tree.largest(|i| self.sites[i].reach + far, &mut extent);
+        }
+        extent
+    }
+
+    /// Remembers the densities that particles start with, where they are kept.
+    pub fn begin(&self, gas: &mut Gas) {
+        if let (Order::Continuity(_), true) = (self.order, gas.particles.target.is_empty()) {
+            gas.particles.target.clone_from(&gas.derived.rho);
         }
     }
 
     /// Moves all particles, and what is predicted of them; to be called when all are at one time, `dt` after the last shift. Returns the
-    /// momentum that crossing the faces of a shearing box gave.
-    pub fn shift(&mut self, gas: &mut Gas, hydro: &Hydro, dt: f64) -> Vec3 {
-        site::survey(&mut self.sites, gas, hydro, self.strength * dt);
+    /// momentum that crossing the faces of a shearing box gave, and how often places had to be solved for.
+    pub fn shift(&mut self, gas: &mut Gas, hydro: &Hydro, dt: f64) -> (Vec3, Solves) {
+        site::survey(&mut self.sites, gas, hydro);
+        self.longest = 0.0;
+        let solves = match self.order {
+            Order::Repulsion { strength } => {
+                site::repel(&mut self.sites, hydro, strength * dt);
+                Solves::default()
+            }
+            Order::Continuity(law) => law.solve(&mut self.sites, gas, hydro, dt),
+        };
         self.plan(gas, hydro);
         let p = &mut gas.particles;
         let free = hydro.eos.is_free();
-        self.longest = 0.0;
         for (i, step) in self.moves.iter().enumerate() {
             p.x[i] += step.x;
             self.longest = self.longest.max(step.x.norm());
@@ -89,7 +138,7 @@ impl Rearrangement {
         if hydro.domain.size().is_none() {
             gas.tree.refit(&gas.particles.x);
             gas.bound();
-            return Vec3::zeros();
+            return (Vec3::zeros(), solves);
         }
         let gained = gas.wrap(&hydro.domain);
         gas.sort_with(|order| self.permute(order));
@@ -100,35 +149,40 @@ impl Rearrangement {
         {
             site.x = x - step.x;
         }
-        gained
+        (gained, solves)
     }
 
     /// What each particle is to be given.
     fn plan(&mut self, gas: &Gas, hydro: &Hydro) {
-        let law = Law::new(hydro);
+        let (law, extent) = (self.law(hydro), self.extent(&gas.tree));
         self.moves.clear();
         self.moves.resize(self.sites.len(), Move::default());
         let (sites, moves) = (&self.sites, Parts::new(&mut self.moves));
-        each(&gas.tree, &hydro.domain, (sites, 0.0), |i, near| {
-            let own = &sites[i];
-            let mut sum = Move::default();
-            for &(j, x) in near {
-                if let Some(pair) = law.pair(own, &sites[j as usize], own.x - x) {
-                    sum.x += pair.shift;
-                    sum.v += pair.impulse;
-                    sum.u += pair.heat;
+        each(
+            &gas.tree,
+            &hydro.domain,
+            (sites, &extent, 0.0),
+            |i, near| {
+                let own = &sites[i];
+                let mut sum = Move::default();
+                for &(j, x) in near {
+                    if let Some(pair) = law.pair(own, &sites[j as usize], own.x - x) {
+                        sum.x += pair.shift;
+                        sum.v += pair.impulse;
+                        sum.u += pair.heat;
+                    }
                 }
-            }
-            let inverse = 1.0 / own.m;
-            // SAFETY: each particle is visited once.
-            unsafe {
-                moves.part(i..i + 1)[0] = Move {
-                    x: inverse * sum.x,
-                    v: inverse * sum.v,
-                    u: inverse * sum.u,
-                }
-            };
-        });
+                let inverse = 1.0 / own.m;
+                // SAFETY: each particle is visited once.
+                unsafe {
+                    moves.part(i..i + 1)[0] = Move {
+                        x: inverse * sum.x,
+                        v: inverse * sum.v,
+                        u: inverse * sum.u,
+                    }
+                };
+            },
+        );
     }
 
     fn permute(&mut self, order: &[u32]) {
@@ -142,12 +196,12 @@ impl Rearrangement {
     }
 }
 
-/// Calls `visit(i, near)` for each particle, `near` being all that may be within reach of it or have it within theirs, with their places; `moved` is how
-/// far particles may be from the places in `sites`.
+/// Calls `visit(i, near)` for each particle, `near` being all that may be within reach of it, with their places; where `extent` is not empty also those
+/// that have it within theirs. `moved` is how far particles may be from the places in `sites`.
 fn each(
     tree: &Tree,
     domain: &Domain,
-    (sites, moved): (&[Site], f64),
+    (sites, extent, moved): (&[Site], &[f64], f64),
     visit: impl Fn(usize, &[(u32, Vec3)]) + Sync,
 ) {
     let leaves = tree.leaves.par_iter().with_min_len(FEW);
@@ -160,9 +214,13 @@ fn each(
             .fold(0.0f64, |most, i| most.max(sites[i].reach));
         let reach = widest + 2.0 * moved;
         near.clear();
-        tree.near(domain, (lo, hi), reach, &[], |range, shift| {
+        tree.near(domain, (lo, hi), reach, extent, |range, shift| {
             near.extend(range.filter_map(|j| {
                 let x = sites[j].x + shift;
+                let reach = match extent.is_empty() {
+                    true => reach,
+                    false => reach.max(sites[j].reach + 2.0 * moved),
+                };
                 let gap = (lo - x).sup(&(x - hi)).sup(&Vec3::zeros());
                 (gap.norm_squared() <= reach * reach).then_some((j as u32, x))
             }));

@@ -218,10 +218,9 @@ fn operators(
         list.push(Box::new(Sublimate::new(phases)));
     }
     if let Some(hydro) = hydro.clone().filter(|_| gas) {
-        let strength = scene.gas.as_ref().map_or(0.0, |gas| gas.rearrange);
-        if strength > 0.0 {
+        if let Some(order) = scene.gas.as_ref().and_then(|gas| gas.rearrange) {
             // Moves before densities are found, and settles after all else is closed.
-            list.push(Box::new(RearrangeGas::new(hydro.clone(), strength)));
+            list.push(Box::new(RearrangeGas::new(hydro.clone(), order)));
         }
         let neighbours = hydro.neighbours;
         list.push(Box::new(Density { hydro }));

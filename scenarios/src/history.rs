@@ -246,6 +246,47 @@ pub struct Timings {
     pub steps: u64,
     #[serde(serialize_with = "in_order")]
     pub phases: Vec<(&'static str, Phase)>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rearrangement: Option<Solved>,
+}
+
+/// How places of the gas were solved for; means are over the solves, residuals root mean squares of the density's relative error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Solved {
+    pub solves: u64,
+    pub failed: u64,
+    pub mean_iterations: f64,
+    pub most_iterations: u64,
+    pub mean_residual_before: f64,
+    pub mean_residual_after: f64,
+}
+
+impl Solved {
+    /// None where nothing was solved for.
+    pub fn of(solves: &gas::Solves) -> Option<Self> {
+        let mean = |sum: f64| sum / solves.count as f64;
+        (solves.count > 0).then(|| Self {
+            solves: solves.count,
+            failed: solves.failed,
+            mean_iterations: mean(solves.iterations as f64),
+            most_iterations: solves.most,
+            mean_residual_before: mean(solves.before),
+            mean_residual_after: mean(solves.after),
+        })
+    }
+
+    /// The same in words.
+    pub fn words(&self) -> String {
+        format!(
+            "rearrangement: {} solves, {} without convergence, {:.1} iterations in the mean, {} at most, residual {:.1e} before, {:.1e} after",
+            self.solves,
+            self.failed,
+            self.mean_iterations,
+            self.most_iterations,
+            self.mean_residual_before,
+            self.mean_residual_after
+        )
+    }
 }
 
 fn in_order<S: Serializer>(

@@ -2,6 +2,7 @@
 //!
 //! The start is really made and the scene advanced for a moment, from which its cost follows.
 
+use gas::rearrangement::Order;
 use std::fmt::Write;
 
 use coupling::System;
@@ -105,10 +106,12 @@ fn method(scene: &Scene) -> Option<String> {
     } else {
         String::new()
     };
-    let rearranged = if gas.rearrange > 0.0 {
-        format!(", rearranged at {} times the shear", gas.rearrange)
-    } else {
-        String::new()
+    let rearranged = match gas.rearrange {
+        None => String::new(),
+        Some(Order::Repulsion { strength }) => {
+            format!(", rearranged at {strength} times the shear")
+        }
+        Some(Order::Continuity(_)) => ", placed by the continuity equation".to_owned(),
     };
     let eos = match &gas.eos {
         Eos::Ideal { gamma } => format!("ideal, gamma = {gamma}"),

@@ -16,6 +16,7 @@ use thiserror::Error;
 
 use crate::assemble::{self, Assembly};
 use crate::hdf::FileError;
+use crate::history::Solved;
 use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::schedule::Schedule;
@@ -216,7 +217,7 @@ impl Run {
             &self.watch,
             &self.folder.rows()?,
         )?;
-        self.folder.timings(&self.watch, self.system.clock.step)?;
+        self.folder.timings(&self.watch, &self.system)?;
         self.saved = Instant::now();
         Ok(())
     }
@@ -224,7 +225,10 @@ impl Run {
     fn finish(&mut self) -> Result<(), RunError> {
         self.watch.enter(Phase::Output);
         self.watch.stop();
-        self.folder.timings(&self.watch, self.system.clock.step)?;
+        self.folder.timings(&self.watch, &self.system)?;
+        if let Some(solved) = Solved::of(&self.system.solves) {
+            self.progress.say(&solved.words());
+        }
         Ok(())
     }
 }

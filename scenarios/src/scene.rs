@@ -3,6 +3,7 @@
 //! All numbers are in code units of `units` (angles in radians), except wall-clock times, which are in seconds. A population that is
 //! not modelled is `None` here and nowhere else. Made by `Scene::load` or `Scene::parse`; trusted by everything that follows.
 
+use gas::rearrangement::Order;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -114,8 +115,7 @@ pub struct Gas {
     pub physical: Physical,
     /// alpha of the conduction; none if zero.
     pub conduction: f64,
-    /// Rate of the rearrangement by that of the shear; none if zero.
-    pub rearrange: f64,
+    pub rearrange: Option<Order>,
 }
 
 /// A disk about the star: Sigma ~ r^slope between the radii, c_s ~ r^-exponent, H/r = aspect_ratio at the reference radius.

@@ -211,7 +211,7 @@ fn eos_rules(scene: &Scene, gas: &Gas, complaints: &Complaints<'_>) {
     let hydro = crate::populate::hydro(scene, gas);
     if let Some(key) = hydro.unsuited() {
         let sentence = format!(
-            "needs a gas whose pressure and energy follow from its sound speed; gas.eos.kind = \"{}\" allows \"density\" and no conduction",
+            "needs a gas whose pressure and energy follow from its sound speed; gas.eos.kind = \"{}\" allows \"density\", \"pressure\", \"number\" and no conduction",
             gas.eos.name()
         );
         complaints.say(&format!("gas.{key}"), &sentence);

@@ -187,8 +187,13 @@ pub const PROBLEMS: &[Problem] = &[
         gas::evrard::rows,
     ),
     own(
+        "gas-liquid",
+        "shock tube and contact of a stiffened gas, by sums of densities and of pressures; about 5 seconds",
+        gas::liquid::rows,
+    ),
+    own(
         "shearing-glass",
-        "noise that shear makes of a glass of 2500 particles over 5 orbits, by scheme, without and with rearrangement; about 5 minutes",
+        "noise that shear makes of a glass of 2500 particles over 5 orbits, by scheme, without and with rearrangement; about 10 minutes",
         shearing_glass::rows,
     ),
     own(

@@ -370,6 +370,20 @@ fn a_shearing_box_has_the_same_bits_for_1_and_2_threads_and_after_a_restart() {
 }
 
 #[test]
+fn gas_placed_by_the_continuity_equation_has_the_same_bits_after_a_restart() {
+    let text = STRATIFIED.replace("vertical_gravity = true\nheadwind = 0.05\n", "");
+    let text = text.replace("lattice = \"random\"\nspacing = 0.125", "spacing = 0.125");
+    let text = text + "[gas.rearrange]\nkind = \"continuity\"\niterations = 5\n";
+    let run = bench::run_text(&text);
+    let timings = std::fs::read_to_string(run.path("timings.json")).expect("timings");
+    assert!(timings.contains("\"mean_iterations\""), "{timings}");
+    let lost = [run.largest("error_momentum"), run.largest("error_energy")];
+    println!("{lost:?}");
+    assert!(lost[0] < 2e-13, "{lost:?}");
+    assert!(bench::resumes(bench::parsed(&text), 2.0));
+}
+
+#[test]
 fn gas_in_the_xz_plane_is_gas_in_the_xy_plane_turned() {
     let end = |plane: &str| {
         let up = if plane == "xy" { 1 } else { 2 };

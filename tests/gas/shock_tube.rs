@@ -112,3 +112,30 @@ fn a_sum_of_pressures_and_conduction_lower_the_wall_at_the_contact() {
     println!("single precision moves the density by {rounding:.2e}");
     assert!(rounding < 2e-5 * pressure[0], "{rounding:e}");
 }
+
+#[test]
+fn sums_of_pressures_have_the_same_bits_after_a_restart() {
+    let cases = [
+        "formulation = \"pressure\"\npressure_exponent = 0.5\n",
+        "formulation = \"pressure\"\n[gas.eos]\nkind = \"stiffened\"\ngamma = 4.4\nstiffening_pressure = 1.0\n",
+        "formulation = \"pressure\"\n[gas.eos]\nkind = \"barotropic\"\nsound_speed = 1.0\ncritical_density = 0.5\n",
+    ];
+    let mut lost = Vec::new();
+    for keys in cases {
+        let text = format!(
+            "[run]\nend_time = 0.1\nsnapshots = 0.05\n[units]\nsystem = \"dimensionless\"\n[domain]\nkind = \"periodic\"\n\
+             size = [2.0, 0.5, 0.5]\n[[gas.block]]\nlo = [0, 0, 0]\nhi = [1, 0.5, 0.5]\nspacing = 0.0625\ndensity = 1.0\n\
+             velocity = [1, 0, 0]\n{0}[[gas.block]]\nlo = [1, 0, 0]\nhi = [2, 0.5, 0.5]\nspacing = 0.0625\ndensity = 0.5\n\
+             {0}[gas.hydro]\n{keys}",
+            if keys.contains("barotropic") {
+                ""
+            } else {
+                "pressure = 1.0\n"
+            }
+        );
+        if !bench::resumes(bench::parsed(&text), 1.0) {
+            lost.push(keys);
+        }
+    }
+    assert!(lost.is_empty(), "{lost:?}");
+}

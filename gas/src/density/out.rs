@@ -122,7 +122,11 @@ impl<'a> Out<'a> {
     pub fn write(&self, i: usize, local: &Local, reach: f64) {
         let rate = self.velocity / self.length;
         let rho = local.rho * self.density;
-        let (p, cs) = self.thermal(i, rho);
+        let (p, cs) = if self.hydro.solves_pressure() {
+            self.solved(i, rho, self.summed_pressure(local))
+        } else {
+            self.thermal(i, rho)
+        };
         let flow = Flow {
             div_v: local.div_v * rate,
             curl_v: local.curl_v * rate,
@@ -141,7 +145,9 @@ impl<'a> Out<'a> {
             out.h.part(own.clone())[0] = flow.h;
             out.alpha.part(own.clone())[0] = alpha;
             out.rho.part(own.clone())[0] = rho;
-            if self.hydro.formulation.sums_pressure() {
+            if self.hydro.solves_pressure() {
+                out.p.part(own.clone())[0] = p;
+            } else if self.hydro.formulation.sums_pressure() {
                 let sum = self.summed_pressure(local);
                 out.p.part(own.clone())[0] = sum;
                 out.p_ratio.part(own.clone())[0] = if p > 0.0 { sum / p } else { 1.0 };
@@ -172,6 +178,27 @@ impl<'a> Out<'a> {
             cs[0] = eos.sound_speed(rho, u[0]);
         }
         (eos.pressure(rho, u[0]), cs[0])
+    }
+
+    /// The same where the pressure is solved for, from its sum `q`; of gas that brings nothing into it yet as its density says.
+    fn solved(&self, i: usize, rho: f64, q: f64) -> (f64, f64) {
+        let (by_density, _) = self.thermal(i, rho);
+        let (own, out, eos) = (i..i + 1, &self.columns, &self.hydro.eos);
+        // SAFETY: a branch's task alone touches the branch's particles.
+        let (u, cs, ratio) = unsafe {
+            (
+                out.u.part(own.clone())[0],
+                &mut out.cs.part(own.clone())[0],
+                &mut out.p_ratio.part(own)[0],
+            )
+        };
+        if q <= 0.0 {
+            *ratio = 1.0;
+            return (by_density, *cs);
+        }
+        *ratio = q / (by_density + eos.offset());
+        *cs = eos.sound_speed(eos.density(q, u, rho), u);
+        (q - eos.offset(), *cs)
     }
 
     /// The viscosity parameter at the end of the step that has passed.

@@ -14,6 +14,8 @@ pub struct Pack<'a> {
     pub particles: &'a Particles,
     pub cs: &'a [f64],
     pub rho: &'a [f64],
+    /// Empty where contents follow from sound speeds.
+    pub content: &'a [f64],
     pub v: &'a [Vec3],
 }
 
@@ -42,7 +44,10 @@ impl Pack<'_> {
             1.0
         };
         let p_by_rho = self.hydro.floored(p_by_rho);
-        let content = formulation.summand(m, p_by_rho, rho, self.hydro.exponent);
+        let content = match self.content.get(i) {
+            Some(content) => m * content / (units.velocity * units.velocity),
+            None => formulation.summand(m, p_by_rho, rho, self.hydro.exponent),
+        };
         [
             Quad([E::from_f64(m), v.x, v.y, v.z]),
             Quad([cs, span, sign, content].map(E::from_f64)),

@@ -12,6 +12,8 @@ pub struct States<'a> {
     pub flux: &'a Flux,
     /// The pressure that forces leave out.
     pub background: f64,
+    /// What sums of pressures have beside the pressure, in units of the sweep.
+    pub offset: f64,
 }
 
 impl States<'_> {
@@ -51,7 +53,12 @@ impl States<'_> {
     #[inline(always)]
     pub fn pushing(&self, reach: f64, (m, specific, rho): (f64, f64, f64)) -> f64 {
         let power = self.hydro.dimensions() as i32;
-        let push = (self.hydro.formulation).push(m, specific, rho, self.hydro.exponent);
+        let push = if self.hydro.solves_pressure() {
+            let (p, q) = (specific * rho, specific * rho + self.offset);
+            p / (q * q)
+        } else {
+            (self.hydro.formulation).push(m, specific, rho, self.hydro.exponent)
+        };
         self.flux.norm / reach.powi(power + 2) * push
     }
 
@@ -59,6 +66,9 @@ impl States<'_> {
     #[inline(always)]
     pub fn content(&self, i: usize, m: f64, rho: f64) -> f64 {
         let units = &self.units;
+        if let Some(content) = self.derived.content.get(i) {
+            return m * content / (units.velocity * units.velocity);
+        }
         let cs = self.derived.cs[i] / units.velocity;
         let specific = self.hydro.floored(self.flux.square_pressure * cs * cs);
         let formulation = self.hydro.formulation;

@@ -12,7 +12,6 @@ use nbody::points::sum::Parts;
 use nbody::points::{Domain, Vec3};
 use rayon::prelude::*;
 
-use super::pair::Law;
 use super::site::Site;
 use super::{Move, Rearrangement, Settled, each};
 use crate::{Gas, Heat, Hydro};
@@ -88,30 +87,36 @@ impl Rearrangement {
 
     /// What each particle has left over, seen at the velocities that the closed step has.
     fn dues(&self, gas: &Gas, hydro: &Hydro) -> Vec<Due> {
-        let law = Law::new(hydro);
+        let law = self.law(hydro);
+        let extent = self.extent(&gas.tree);
         let (sites, moves, domain) = (&self.sites, &self.moves, &hydro.domain);
         let (x, v) = (&gas.particles.x, &gas.particles.v);
         let mut dues = vec![Due::default(); gas.len()];
         let parts = Parts::new(&mut dues);
-        each(&gas.tree, domain, (sites, self.longest), |i, near| {
-            let own = domain.relative(x[i], v[i]);
-            let mut due = Due::default();
-            for &(j, place) in near {
-                let r = sites[i].x - place;
-                let j = j as usize;
-                let Some(pair) = law.pair(&sites[i], &sites[j], r) else {
-                    continue;
-                };
-                let apart = own - domain.relative(x[j], v[j]);
-                let middle = apart + 0.5 * (moves[i].v - moves[j].v);
-                due.work += 0.5 * pair.impulse.dot(&middle);
-                let after = r + moves[i].x - moves[j].x;
-                let drifted = sites[i].v - sites[j].v;
-                due.torque += 0.5 * (pair.shift.cross(&drifted) + after.cross(&pair.impulse));
-            }
-            // SAFETY: each particle is visited once.
-            unsafe { parts.part(i..i + 1)[0] = due };
-        });
+        each(
+            &gas.tree,
+            domain,
+            (sites, &extent, self.longest),
+            |i, near| {
+                let own = domain.relative(x[i], v[i]);
+                let mut due = Due::default();
+                for &(j, place) in near {
+                    let r = sites[i].x - place;
+                    let j = j as usize;
+                    let Some(pair) = law.pair(&sites[i], &sites[j], r) else {
+                        continue;
+                    };
+                    let apart = own - domain.relative(x[j], v[j]);
+                    let middle = apart + 0.5 * (moves[i].v - moves[j].v);
+                    due.work += 0.5 * pair.impulse.dot(&middle);
+                    let after = r + moves[i].x - moves[j].x;
+                    let drifted = sites[i].v - sites[j].v;
+                    due.torque += 0.5 * (pair.shift.cross(&drifted) + after.cross(&pair.impulse));
+                }
+                // SAFETY: each particle is visited once.
+                unsafe { parts.part(i..i + 1)[0] = due };
+            },
+        );
         dues
     }
 }

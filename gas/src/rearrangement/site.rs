@@ -29,8 +29,10 @@ pub(super) struct Site {
     /// Mean distance of particles, and how far a site sees others.
     pub s: f64,
     pub reach: f64,
-    /// Root of 1 - exp(-strength |S| dt), zero at edges.
+    /// From 1 inside of gas to 0 at its edges; of repelling sites times the root of 1 - exp(-strength |S| dt).
     pub share: f64,
+    /// Potential by density, and the factor of the kernel's slope; zero of repelling sites.
+    pub push: f64,
     pub grad_w: Matrix3<f64>,
     pub grad_u: Vec3,
 }
@@ -43,8 +45,8 @@ struct Surroundings {
     inside: f64,
 }
 
-/// Finds the sites of all gas, that is rearranged by `strain` times the shear.
-pub(super) fn survey(sites: &mut Vec<Site>, gas: &Gas, hydro: &Hydro, strain: f64) {
+/// Finds the sites of all gas.
+pub(super) fn survey(sites: &mut Vec<Site>, gas: &Gas, hydro: &Hydro) {
     let (domain, p, r) = (&hydro.domain, &gas.particles, &gas.rates);
     let d = hydro.dimensions();
     let spacing = hydro.support() * (unit_sphere(d) / hydro.neighbours).powf(1.0 / d as f64);
@@ -60,17 +62,24 @@ pub(super) fn survey(sites: &mut Vec<Site>, gas: &Gas, hydro: &Hydro, strain: f6
         ..Site::default()
     }));
     let mut found = vec![(Matrix3::zeros(), Vec3::zeros(), 0.0); sites.len()];
-    let stream = Matrix3::new(0.0, 0.0, 0.0, -domain.shear_rate(), 0.0, 0.0, 0.0, 0.0, 0.0);
     let parts = Parts::new(&mut found);
-    each(&gas.tree, domain, (sites, 0.0), |i, near| {
+    each(&gas.tree, domain, (sites, &[], 0.0), |i, near| {
         let around = surroundings(sites, i, near, hydro);
-        let rate = strain * shear(around.grad_w + stream, d);
-        let share = around.inside * (1.0 - (-rate).exp()).sqrt();
         // SAFETY: each particle is visited once.
-        unsafe { parts.part(i..i + 1)[0] = (around.grad_w, around.grad_u, share) };
+        unsafe { parts.part(i..i + 1)[0] = (around.grad_w, around.grad_u, around.inside) };
     });
-    for (site, (grad_w, grad_u, share)) in sites.iter_mut().zip(found) {
-        (site.grad_w, site.grad_u, site.share) = (grad_w, grad_u, share);
+    for (site, (grad_w, grad_u, inside)) in sites.iter_mut().zip(found) {
+        (site.grad_w, site.grad_u, site.share) = (grad_w, grad_u, inside);
+    }
+}
+
+/// Makes sites repel each other, by `strain` times the shear.
+pub(super) fn repel(sites: &mut [Site], hydro: &Hydro, strain: f64) {
+    let (rate, d) = (hydro.domain.shear_rate(), hydro.dimensions());
+    let stream = Matrix3::new(0.0, 0.0, 0.0, -rate, 0.0, 0.0, 0.0, 0.0, 0.0);
+    for site in sites {
+        let rate = strain * shear(site.grad_w + stream, d);
+        site.share *= (1.0 - (-rate).exp()).sqrt();
     }
 }
 

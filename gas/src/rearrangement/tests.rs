@@ -2,14 +2,14 @@
 
 use nbody::points::{Clock, Domain, Vec3};
 
-use super::Rearrangement;
+use super::{Order, Rearrangement};
 use crate::samples::{hydro, lattice, noise, still};
 use crate::{Eos, Gas, Hydro};
 
 const PLANE: [bool; 3] = [true, true, false];
 
 /// A cubic lattice of unit density in a shearing box of side one, `jitter` of a spacing away from its places, at rest relative to the shear.
-fn sheared(n: usize, jitter: f64, domain: &Domain) -> Gas {
+pub(super) fn sheared(n: usize, jitter: f64, domain: &Domain) -> Gas {
     let third = if domain.dimensions() == 3 { n } else { 1 };
     let spacing = 1.0 / n as f64;
     let count = (n * n * third) as f64;
@@ -22,7 +22,7 @@ fn sheared(n: usize, jitter: f64, domain: &Domain) -> Gas {
     Gas::new(particles)
 }
 
-fn shearing(dimensions: usize) -> Domain {
+pub(super) fn shearing(dimensions: usize) -> Domain {
     let domain = Domain::shearing(Vec3::repeat(1.0), 1.0, 1.5);
     if dimensions == 2 {
         domain.with_axes(PLANE)
@@ -31,8 +31,12 @@ fn shearing(dimensions: usize) -> Domain {
     }
 }
 
+fn repulsion() -> Rearrangement {
+    Rearrangement::new(Order::Repulsion { strength: 1.0 })
+}
+
 /// Finds densities, and with them smoothing lengths; returns the root mean square of the density about its mean.
-fn noise_of(gas: &mut Gas, hydro: &Hydro) -> f64 {
+pub(super) fn noise_of(gas: &mut Gas, hydro: &Hydro) -> f64 {
     let clock = Clock::standing(0.0);
     gas.density(hydro, &clock, Vec3::zeros())
         .expect("a density");
@@ -50,7 +54,7 @@ fn a_lattice_stays_where_it_is() {
         hydro.tolerance = 1e-12;
         let mut gas = sheared(10, 0.0, &domain);
         noise_of(&mut gas, &hydro);
-        let mut law = Rearrangement::new(1.0);
+        let mut law = repulsion();
         law.shift(&mut gas, &hydro, 1.0);
         // As far as smoothing lengths differ by rounding and tolerance.
         eprintln!("lattice {:e}", law.longest);
@@ -70,7 +74,7 @@ fn disorder_falls_and_only_where_gas_shears() {
         let domain = shearing(dimensions);
         let hydro = hydro(domain);
         let mut gas = sheared(n, 0.25, &domain);
-        let mut law = Rearrangement::new(1.0);
+        let mut law = repulsion();
         let before = noise_of(&mut gas, &hydro);
         for _ in 0..40 {
             law.shift(&mut gas, &hydro, 0.2);
@@ -99,7 +103,7 @@ fn disorder_falls_and_only_where_gas_shears() {
 }
 
 /// A jittered ball or disk in open space with the velocities and energies of fields of its places, and masses of two kinds.
-fn cloud(
+pub(super) fn cloud(
     n: usize,
     axes: [bool; 3],
     v: impl Fn(Vec3) -> Vec3,
@@ -124,10 +128,9 @@ fn cloud(
 }
 
 /// Relative changes of momentum, angular momentum and energy by a shift and its settlement, and what the books say of them.
-fn change(gas: &mut Gas, hydro: &Hydro) -> [f64; 4] {
+pub(super) fn change(gas: &mut Gas, hydro: &Hydro, mut law: Rearrangement) -> [f64; 4] {
     noise_of(gas, hydro);
     let before = gas.totals();
-    let mut law = Rearrangement::new(1.0);
     law.shift(gas, hydro, 0.3);
     assert!(law.longest > 1e-3, "something moves");
     // A kick that closes the step: it has neither momentum nor torque where the particles are now.
@@ -165,13 +168,13 @@ fn momentum_angular_momentum_and_energy_are_kept() {
         };
         let u = |x: Vec3| if x.x > 0.6 { 50.0 } else { 1.0 + x.y };
         let (mut gas, hydro) = cloud(n, axes, v, u);
-        let ideal = change(&mut gas, &hydro);
+        let ideal = change(&mut gas, &hydro, repulsion());
         let (mut gas, mut hydro) = cloud(n, axes, v, |_| 2.5);
         hydro.eos = Eos::Isothermal {
             sound_speed: 1.0,
             gamma: 1.4,
         };
-        let bound = change(&mut gas, &hydro);
+        let bound = change(&mut gas, &hydro, repulsion());
         for changes in [ideal, bound] {
             eprintln!("{changes:?}");
             assert!(
@@ -189,7 +192,7 @@ fn linear_fields_stay_in_their_places() {
         let u = |x: Vec3| 3.0 + x.x - x.y;
         let (mut gas, hydro) = cloud(n, axes, v, u);
         noise_of(&mut gas, &hydro);
-        let mut law = Rearrangement::new(1.0);
+        let mut law = repulsion();
         law.shift(&mut gas, &hydro, 0.3);
         let (p, r) = (&gas.particles, &gas.rates);
         let error = |i: usize| (r.v_pred[i] - v(p.x[i])).norm() + (r.u_pred[i] - u(p.x[i])).abs();
@@ -218,7 +221,7 @@ fn the_number_of_threads_does_not_matter() {
             .expect("threads");
         pool.install(|| {
             let mut gas = sheared(12, 0.25, &domain);
-            let mut law = Rearrangement::new(1.0);
+            let mut law = repulsion();
             for _ in 0..3 {
                 noise_of(&mut gas, &hydro);
                 law.shift(&mut gas, &hydro, 0.2);

@@ -1,5 +1,6 @@
 //! The gas of a scene: disk, blocks, equation of state, hydrodynamics, viscosity, conduction.
 
+use gas::rearrangement::{Continuity, Order};
 use nbody::points::Vec3;
 
 use gas::{BackgroundPressure, KernelKind};
@@ -470,14 +471,30 @@ fn conduction(gas: &Section<'_>, eos: &Eos) -> f64 {
     alpha
 }
 
-/// The rate of the rearrangement by that of the shear.
-fn rearrangement(gas: &Section<'_>) -> f64 {
+/// How particles are rearranged, if they are.
+fn rearrangement(gas: &Section<'_>) -> Option<Order> {
     const STRENGTH: Range = Range {
         test: |strength| (0.0..=100.0).contains(&strength),
         text: "from 0 to 100, the rate of the rearrangement by that of the shear",
     };
+    const TOLERANCE: Range = Range {
+        test: |tolerance| tolerance > 0.0 && tolerance <= 0.1,
+        text: "above 0, at most 0.1, the root mean square error of the density",
+    };
     let section = gas.section("rearrange");
-    let strength = section.number("strength", STRENGTH).unwrap_or(0.0);
+    let kinds = [("repulsion", false), ("continuity", true)];
+    let order = if section.choice("kind", &kinds, &[]) == Some(true) {
+        section.misplaced(&["strength"], "has no place in kind = \"continuity\"");
+        Some(Order::Continuity(Continuity {
+            tolerance: section.number("tolerance", TOLERANCE).unwrap_or(1e-3),
+            iterations: section.whole("iterations", 1, 1000).unwrap_or(20),
+        }))
+    } else {
+        let only = "has no place without kind = \"continuity\"";
+        section.misplaced(&["tolerance", "iterations"], only);
+        let strength = section.number("strength", STRENGTH).unwrap_or(0.0);
+        (strength > 0.0).then_some(Order::Repulsion { strength })
+    };
     section.close();
-    strength
+    order
 }

@@ -11,7 +11,7 @@ use nbody::points::{ColumnRef, Columns, Dimension, Domain, Fault, Label, Populat
 use super::RunError;
 use crate::atomic::publish_bytes;
 use crate::history::{
-    EVENT_HEAD, LedgerRow, Phase, Table, Timings, operators, push_event, stress, torques,
+    EVENT_HEAD, LedgerRow, Phase, Solved, Table, Timings, operators, push_event, stress, torques,
 };
 use crate::populate::sublimation::kelvins;
 use crate::scene::{Scene, Turbulence};
@@ -136,7 +136,7 @@ impl Folder {
         Ok(())
     }
 
-    pub fn timings(&self, watch: &Stopwatch, steps: u64) -> Result<(), RunError> {
+    pub fn timings(&self, watch: &Stopwatch, system: &System) -> Result<(), RunError> {
         let phase = |part: Part| {
             let lap = watch.laps[part as usize];
             let counts = |n: u64| (part != Part::Tree && part != Part::Output).then_some(n);
@@ -155,8 +155,9 @@ impl Folder {
             wall_s: watch.wall_s(),
             cpu_s: watch.cpu_s(),
             threads: rayon::current_num_threads(),
-            steps,
+            steps: system.clock.step,
             phases: Part::ALL.map(phase).to_vec(),
+            rearrangement: Solved::of(&system.solves),
         };
         Ok(timings.write(&self.path("timings.json"))?)
     }

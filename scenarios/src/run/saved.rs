@@ -8,6 +8,7 @@ use coupling::system::Stray;
 use coupling::torques::Braked;
 use coupling::{Pace, System};
 use dust::{Dust, Superparticles};
+use gas::Solves;
 use gas::background::Background;
 use gas::{Gas, Particles};
 use nbody::points::{Clock, Vec3};
@@ -53,6 +54,10 @@ pub fn write(
         false => Vec::new(),
     };
     draft.fact("gas densities", Fact::Reals(densities));
+    if solves_pressure(scene) {
+        let ratios = system.gas.derived.p_ratio.clone();
+        draft.fact("gas pressure ratios", Fact::Reals(ratios));
+    }
     let clock = &system.clock;
     draft.fact(
         "clock",
@@ -124,6 +129,13 @@ pub fn write(
         ),
     );
     draft.fact("rows", Fact::Integers(rows.to_vec()));
+    if !system.gas.particles.target.is_empty() {
+        let solves = &system.solves;
+        let counts = [solves.count, solves.failed, solves.iterations, solves.most];
+        draft.fact("solves", Fact::Integers(counts.to_vec()));
+        let residuals = vec![solves.before, solves.after];
+        draft.fact("residuals", Fact::Reals(residuals));
+    }
     let braked = &system.braked;
     draft.fact(
         "braked",
@@ -149,7 +161,16 @@ pub fn write(
 /// Whether the gas needs the density that it had to go on.
 fn needs_density(scene: &Scene) -> bool {
     let gas = scene.gas.as_ref();
-    gas.is_some_and(|gas| populate::hydro(scene, gas).eos.follows_density())
+    gas.is_some_and(|gas| {
+        let hydro = populate::hydro(scene, gas);
+        hydro.eos.follows_density() || hydro.exponent != 1.0
+    })
+}
+
+/// Whether it needs the pressure.
+fn solves_pressure(scene: &Scene) -> bool {
+    let gas = scene.gas.as_ref();
+    gas.is_some_and(|gas| populate::hydro(scene, gas).solves_pressure())
 }
 
 pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
@@ -161,6 +182,9 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     system.gas = Gas::restored(particles, rates);
     if needs_density(scene) {
         system.gas.derived.rho = file.reals("gas densities")?;
+    }
+    if solves_pressure(scene) {
+        system.gas.derived.p_ratio = file.reals("gas pressure ratios")?;
     }
     let (mut particles, mut rates) = (Superparticles::default(), dust::Rates::default());
     file.read_set("dust", &mut particles)?;
@@ -212,6 +236,9 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Saved, FileError> {
     };
     read_braked(&file, &mut system)?;
     system.stress = stress_of(&file.reals("stress")?);
+    if !system.gas.particles.target.is_empty() {
+        system.solves = solves(&file)?;
+    }
     Ok(Saved {
         system,
         laps: std::array::from_fn(lap),
@@ -251,6 +278,18 @@ fn stress_of(reals: &[f64]) -> Stress {
         time: reals[2],
         rings: reals[3..].chunks(2).map(ring).collect(),
     }
+}
+
+fn solves(file: &Checkpoint) -> Result<Solves, FileError> {
+    let (counts, residuals) = (file.integers("solves")?, file.reals("residuals")?);
+    Ok(Solves {
+        count: counts[0],
+        failed: counts[1],
+        iterations: counts[2],
+        most: counts[3],
+        before: residuals[0],
+        after: residuals[1],
+    })
 }
 
 fn read_ledger(file: &Checkpoint, system: &mut System) -> Result<(), FileError> {

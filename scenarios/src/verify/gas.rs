@@ -6,6 +6,7 @@
 pub mod blob;
 pub mod evrard;
 pub mod gresho;
+pub mod liquid;
 pub mod noh;
 pub mod passing_rows;
 mod picture;

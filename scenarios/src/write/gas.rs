@@ -1,6 +1,7 @@
 //! Gas and dust of a scene as text.
 
 use gas::BackgroundPressure;
+use gas::rearrangement::Order;
 
 use super::growth::write_growth;
 use super::text::Text;
@@ -58,7 +59,19 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     text.table("gas.conduction");
     text.number("alpha", gas.conduction);
     text.table("gas.rearrange");
-    text.number("strength", gas.rearrange);
+    write_rearrangement(text, gas.rearrange);
+}
+
+fn write_rearrangement(text: &mut Text, order: Option<Order>) {
+    match order {
+        None => text.number("strength", 0.0),
+        Some(Order::Repulsion { strength }) => text.number("strength", strength),
+        Some(Order::Continuity(law)) => {
+            text.text("kind", "continuity");
+            text.number("tolerance", law.tolerance);
+            text.raw("iterations", law.iterations);
+        }
+    }
 }
 
 fn write_eos(text: &mut Text, gas: &Gas) {
