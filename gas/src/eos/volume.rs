@@ -56,8 +56,7 @@ impl Eos {
                 return next;
             }
             slope = (found - off) / (next - last);
-            // Also where it is not a number.
-            if !(slope > 0.0) {
+            if slope.is_nan() || slope <= 0.0 {
                 break;
             }
             (last, off) = (next, found);

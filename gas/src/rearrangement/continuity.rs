@@ -152,6 +152,9 @@ struct Pairs {
     r: Vec<Vec3>,
 }
 
+/// What is done with a particle and those that are near it.
+type Visit<'a> = dyn Fn(usize, &[(u32, Vec3)]) + Sync + 'a;
+
 impl Pairs {
     fn new(sites: &[Site], gas: &Gas, hydro: &Hydro, extent: &[f64]) -> Self {
         let far = |site: &Site| site.reach + 2.0 * FARTHEST * site.s;
@@ -161,7 +164,7 @@ impl Pairs {
             (r.norm_squared() < reach * reach).then_some((j as u32, r))
         };
         let moved = FARTHEST * sites.iter().fold(0.0, |most: f64, site| most.max(site.s));
-        let all = |visit: &(dyn Fn(usize, &[(u32, Vec3)]) + Sync)| {
+        let all = |visit: &Visit| {
             each(&gas.tree, &hydro.domain, (sites, extent, moved), visit);
         };
         let mut first = vec![0; sites.len() + 1];

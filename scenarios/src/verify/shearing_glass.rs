@@ -6,7 +6,6 @@
 //! a lattice that shear carries along, and random points. Judged: what rearrangement leaves of the noise between orbits 3 and 5.
 //! Told for some schemes: the same where particles are placed by the continuity equation, and how often that can be solved.
 //! Diffusion: a wave of v_z across the shear, on which no force acts, decays by exp(-nu k^2 t), nu by what mixes particles or exchanges velocity.
-//! Passing rows: half of a lattice slides along the other; the acceleration of the rows at the border over an offset of one spacing should be zero.
 //! A picture of the noise over time is left in `shearing-glass.png`.
 
 use std::f64::consts::TAU;
@@ -202,37 +201,6 @@ fn placed((name, scheme): Scheme) -> Vec<Row> {
     .into()
 }
 
-/// The largest acceleration, in c^2 by spacing, of the rows at the border of two halves of a lattice that slide along each other.
-fn passing(scheme: &[&str]) -> f64 {
-    const OFFSETS: u32 = 10;
-    let border = |x: f64| (x - 0.25 * SIDE).abs().min((x - 0.75 * SIDE).abs()) < SPACING;
-    let at = |offset: f64| {
-        let slide = |gas: &mut gas::Particles| {
-            for x in &mut gas.x {
-                if (0.25 * SIDE..0.75 * SIDE).contains(&x.x) {
-                    x.y = (x.y + offset * SPACING).rem_euclid(SIDE);
-                }
-            }
-        };
-        let overrides: Vec<String> = scheme.iter().map(|&o| o.to_owned()).collect();
-        let mut trial = Trial::new(SCENE, &overrides, slide)
-            .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
-        let mut most = 0.0;
-        let done = trial.run(&[0.0], |stop| {
-            let gas = &stop.system.gas;
-            let size = |i: usize| match border(gas.particles.x[i].x) {
-                true => gas.rates.hydro[i].norm(),
-                false => 0.0,
-            };
-            most = (0..gas.len()).map(size).fold(0.0, f64::max);
-        });
-        done.unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
-        most * SPACING
-    };
-    let offsets = (0..OFFSETS).map(|k| f64::from(k) / f64::from(OFFSETS));
-    offsets.map(at).fold(0.0, f64::max)
-}
-
 pub fn rows() -> Vec<Row> {
     let told = |what: String, measured: f64| Row::new(what, measured, Bar::None);
     let random = run(trial("random", SCHEMES[0].1, &[]), &TIMES[..1]);
@@ -268,10 +236,6 @@ pub fn rows() -> Vec<Row> {
             let what = format!("{name}: late noise of {what}, rearranged by not");
             rows.push(Row::new(what, with / without, bar));
         }
-    }
-    for (name, scheme) in SCHEMES.into_iter().skip(3) {
-        let what = format!("passing rows, {name}: acceleration by c^2 / spacing");
-        rows.push(told(what, passing(scheme)));
     }
     rows.extend(TRIED.into_iter().flat_map(|k| placed(SCHEMES[k])));
     match picture(&panels) {

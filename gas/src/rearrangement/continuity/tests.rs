@@ -81,10 +81,10 @@ fn displaced(n: usize, jitter: f64, wave: f64) -> (Gas, Hydro, Vec<Vec3>) {
     let by_id = |id: u64| moved.id.iter().position(|&other| other == id);
     let spacing = 1.0 / n as f64;
     noise_of(&mut gas, &hydro);
-    for i in 0..gas.len() {
+    for (i, from) in lattice.iter().enumerate() {
         let at = by_id(gas.particles.id[i]).expect("the same particle");
         gas.particles.x[i] = moved.x[at];
-        gas.particles.x[i].x += wave * spacing * (TAU * lattice[i].x).sin();
+        gas.particles.x[i].x += wave * spacing * (TAU * from.x).sin();
     }
     (gas, hydro, lattice)
 }

@@ -47,7 +47,8 @@ fn run(sides: Sides2, formulation: &str, end: f64) -> End {
         "gas.hydro.kernel=\"quintic-spline\"".to_owned(),
         "gas.hydro.neighbours=82".to_owned(),
     ];
-    let scheme = Scheme::new(&keys, None).unwrap_or_else(|wrong| panic!("a scheme: {wrong}"));
+    let scheme =
+        Scheme::new(false, &keys, None).unwrap_or_else(|wrong| panic!("a scheme: {wrong}"));
     scheme.end(&scene(sides, end), end, |_| {})
 }
 
