@@ -22,7 +22,7 @@ const RECOMMENDED: [&str; 4] = [
     "gas.hydro.background_pressure=least",
     "gas.hydro.precision=single",
 ];
-const RECOMMENDED_NEIGHBOURS: [&str; 2] = ["gas.hydro.neighbours=76", "gas.hydro.neighbours=42"];
+const RECOMMENDED_NEIGHBOURS: [&str; 2] = ["gas.hydro.neighbours=73", "gas.hydro.neighbours=46"];
 /// That of the default viscosity; another one has its own.
 const RECOMMENDED_ALPHA: &str = "gas.viscosity.alpha=2";
 const KIND: &str = "gas.viscosity.kind";
@@ -168,7 +168,7 @@ mod tests {
         let keys = plain.keys_of(&cube(2));
         assert_eq!(
             keys[4..],
-            ["gas.hydro.neighbours=42", "gas.viscosity.alpha=2"]
+            ["gas.hydro.neighbours=46", "gas.viscosity.alpha=2"]
         );
     }
 }
