@@ -1,6 +1,6 @@
 //! Stress: the Reynolds stress of the resolved gas in rings about the star, as the alpha of its turbulence.
 //!
-//!     alpha = <rho v_R' v_phi'> / <P>
+//! alpha = <rho v_R' v_phi'> / <P>
 //!
 //! v' is the velocity beyond the circular one, sqrt(G M / R), and beyond a line in ln R through the ring's particles. Of the two factors one is a particle's
 //! own and the other that of its neighbours without it, weighted as by [`gas::probe`], in turn: so the noise that particles have each

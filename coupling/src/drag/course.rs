@@ -3,7 +3,7 @@
 //! Drag and kick are solved together, so that what a step errs by is its drift: all of it has the velocity of the middle of the step. Where
 //! u' = -u/t' + a, t' = t_stop / (1 + eps), that is off the mean velocity by
 //!
-//!     E = f(x) |u - a t'|,   f = (1 - e^-2x)/(2x) - e^-x,   x = h/(2t'):   x^2/6 in short steps, 1/(2x) in long ones, at most 0.117.
+//! E = f(x) |u - a t'|,   f = (1 - e^-2x)/(2x) - e^-x,   x = h/(2t'):   x^2/6 in short steps, 1/(2x) in long ones, at most 0.117.
 //!
 //! Drag's impulses in the two halves of such a step differ by (1 - e^-x)^2 |u - a t'|: whatever else makes them differ (forces that change, gas that
 //! moves otherwise elsewhere) is taken to make as large an error, f / (1 - e^-x)^2 of the difference. The larger of both counts. Grains that
