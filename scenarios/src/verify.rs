@@ -187,7 +187,7 @@ pub const PROBLEMS: &[Problem] = &[
         gas::evrard::rows,
     ),
     own(
-        "gas-liquid",
+        "liquid",
         "shock tube and contact of a stiffened gas, by sums of densities and of pressures; about 5 seconds",
         gas::liquid::rows,
     ),
@@ -473,6 +473,14 @@ mod tests {
         }
         for stranger in ["gas-", "stir", "dus"] {
             assert!(chosen(&[stranger.to_string()]).is_err(), "{stranger}");
+        }
+    }
+
+    #[test]
+    fn every_problem_of_the_gas_takes_a_scheme() {
+        let problems = chosen(&["gas".to_owned()]).expect("a group");
+        for problem in problems {
+            assert!(matches!(problem.rows, Rows::Of(_)), "{}", problem.name);
         }
     }
 
