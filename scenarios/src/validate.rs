@@ -145,16 +145,30 @@ fn steps(scene: &Scene, complaints: &Complaints<'_>) {
 }
 
 fn bodies_in_a_shearing_box(scene: &Scene, complaints: &Complaints<'_>) {
+    let chosen = scene.planetesimals.as_ref().map(|bodies| bodies.integrator);
     if scene.domain.hill().is_none() {
-        return;
-    }
-    for table in ["planetesimals", "planet"] {
-        if named(complaints.entries, table).is_some() {
+        if chosen == Some(Integrator::Epicycles) {
             complaints.say(
-                table,
-                "cannot be modelled in a shearing box, where only gas and dust are",
+                "planetesimals.integrator",
+                "belongs to domain.kind = \"shearing-box\"",
             );
         }
+        return;
+    }
+    let Some(bodies) = &scene.planetesimals else {
+        return;
+    };
+    if !matches!(bodies.integrator, Integrator::Auto | Integrator::Epicycles) {
+        complaints.say(
+            "planetesimals.integrator",
+            "has no place in a shearing box, whose frame moves bodies; allowed are \"auto\" and \"epicycles\"",
+        );
+    }
+    if bodies.collisions != Collisions::None {
+        complaints.say(
+            "planetesimals.collisions.outcome",
+            "is not available in a shearing box, across whose faces bodies do not look for each other; allowed is \"none\"",
+        );
     }
 }
 
@@ -291,24 +305,28 @@ fn block_rules(scene: &Scene, block: &Block, path: &str, complaints: &Complaints
             "is wider than the box from lo to hi",
         );
     }
-    if let Some(size) = scene.domain.size() {
-        let inside = |x: Vec3| axes(&|axis| x[axis] < 0.0 || x[axis] > size[axis]);
-        for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
-            if inside(corner) {
-                complaints.say(
-                    &format!("{path}.{key}"),
-                    match scene.domain.hill() {
-                        Some(_) => {
-                            "lies outside the shearing box, which reaches from 0 to domain.size"
-                        }
-                        None => {
-                            "lies outside the periodic box, which reaches from 0 to domain.size"
-                        }
-                    },
-                );
-            }
+    for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
+        if outside(scene, corner) {
+            complaints.say(
+                &format!("{path}.{key}"),
+                match scene.domain.hill() {
+                    Some(_) => OUTSIDE_THE_FRAME,
+                    None => "lies outside the periodic box, which reaches from 0 to domain.size",
+                },
+            );
         }
     }
+}
+
+const OUTSIDE_THE_FRAME: &str =
+    "lies outside the shearing box, which reaches from 0 to domain.size";
+
+/// Whether a closed domain leaves out `x`.
+fn outside(scene: &Scene, x: Vec3) -> bool {
+    let beyond = |size: Vec3| {
+        (0..3).any(|axis| scene.domain.axes[axis] && (x[axis] < 0.0 || x[axis] > size[axis]))
+    };
+    scene.domain.size().is_some_and(beyond)
 }
 
 fn too_many(number: f64, path: &str, complaints: &Complaints<'_>) {
@@ -369,7 +387,8 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             "must be less than planetesimals.outer_radius",
         );
     }
-    if bodies.integrator == Integrator::WisdomHolman {
+    let framed = scene.domain.hill().is_some();
+    if bodies.integrator == Integrator::WisdomHolman && !framed {
         if scene.star.is_none() {
             complaints.say(
                 "planetesimals.integrator",
@@ -383,7 +402,7 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             );
         }
     }
-    if bodies.integrator == Integrator::Hybrid {
+    if bodies.integrator == Integrator::Hybrid && !framed {
         hybrid_rules(scene, complaints);
     }
     if let Coordinates::Jacobi(_) = bodies.coordinates {
@@ -545,6 +564,9 @@ fn planet_rules(scene: &Scene, complaints: &Complaints<'_>) {
                 // Closer than any square of a distance says.
                 if scene.star.is_some() && position.norm_squared() == 0.0 {
                     complaints.say(&format!("{path}.position"), "is that of the star");
+                }
+                if scene.domain.hill().is_some() && outside(scene, position) {
+                    complaints.say(&format!("{path}.position"), OUTSIDE_THE_FRAME);
                 }
             }
         }
