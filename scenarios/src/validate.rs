@@ -3,9 +3,8 @@
 //! A value that has already been refused stands here as not-a-number, which breaks no rule.
 
 mod composition;
+mod frame;
 mod growth;
-
-use nbody::points::Vec3;
 
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
@@ -107,7 +106,7 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
         };
         complaints.say("star", sentence);
     }
-    bodies_in_a_shearing_box(scene, complaints);
+    frame::rules(scene, complaints);
     let edge = scene.gas.as_ref().and_then(|gas| gas.edge);
     if edge.is_some_and(|edge| edge.supported)
         && scene.star.is_some_and(|star| star.accretion_radius == 0.0)
@@ -141,34 +140,6 @@ fn steps(scene: &Scene, complaints: &Complaints<'_>) {
             let sentence = format!("makes more than {MOST_STEPS:e} steps to run.end_time");
             complaints.say(path, &sentence);
         }
-    }
-}
-
-fn bodies_in_a_shearing_box(scene: &Scene, complaints: &Complaints<'_>) {
-    let chosen = scene.planetesimals.as_ref().map(|bodies| bodies.integrator);
-    if scene.domain.hill().is_none() {
-        if chosen == Some(Integrator::Epicycles) {
-            complaints.say(
-                "planetesimals.integrator",
-                "belongs to domain.kind = \"shearing-box\"",
-            );
-        }
-        return;
-    }
-    let Some(bodies) = &scene.planetesimals else {
-        return;
-    };
-    if !matches!(bodies.integrator, Integrator::Auto | Integrator::Epicycles) {
-        complaints.say(
-            "planetesimals.integrator",
-            "has no place in a shearing box, whose frame moves bodies; allowed are \"auto\" and \"epicycles\"",
-        );
-    }
-    if bodies.collisions != Collisions::None {
-        complaints.say(
-            "planetesimals.collisions.outcome",
-            "is not available in a shearing box, across whose faces bodies do not look for each other; allowed is \"none\"",
-        );
     }
 }
 
@@ -306,27 +277,16 @@ fn block_rules(scene: &Scene, block: &Block, path: &str, complaints: &Complaints
         );
     }
     for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
-        if outside(scene, corner) {
+        if frame::outside(scene, corner) {
             complaints.say(
                 &format!("{path}.{key}"),
                 match scene.domain.hill() {
-                    Some(_) => OUTSIDE_THE_FRAME,
+                    Some(_) => frame::OUTSIDE,
                     None => "lies outside the periodic box, which reaches from 0 to domain.size",
                 },
             );
         }
     }
-}
-
-const OUTSIDE_THE_FRAME: &str =
-    "lies outside the shearing box, which reaches from 0 to domain.size";
-
-/// Whether a closed domain leaves out `x`.
-fn outside(scene: &Scene, x: Vec3) -> bool {
-    let beyond = |size: Vec3| {
-        (0..3).any(|axis| scene.domain.axes[axis] && (x[axis] < 0.0 || x[axis] > size[axis]))
-    };
-    scene.domain.size().is_some_and(beyond)
 }
 
 fn too_many(number: f64, path: &str, complaints: &Complaints<'_>) {
@@ -565,8 +525,8 @@ fn planet_rules(scene: &Scene, complaints: &Complaints<'_>) {
                 if scene.star.is_some() && position.norm_squared() == 0.0 {
                     complaints.say(&format!("{path}.position"), "is that of the star");
                 }
-                if scene.domain.hill().is_some() && outside(scene, position) {
-                    complaints.say(&format!("{path}.position"), OUTSIDE_THE_FRAME);
+                if scene.domain.hill().is_some() && frame::outside(scene, position) {
+                    complaints.say(&format!("{path}.position"), frame::OUTSIDE);
                 }
             }
         }
