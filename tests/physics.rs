@@ -3,6 +3,7 @@
 mod allocator;
 mod bench;
 mod coupled {
+    mod box_bodies;
     mod conservation;
     mod economy;
     mod reproducible;

@@ -1,6 +1,7 @@
 //! Drifts: everybody moves to the next tick. Star and bodies move by their own integrator when their step ends there; before that
 //! they are seen through its prediction.
 
+mod epicycles;
 mod meetings;
 mod motions;
 mod radau;
@@ -11,6 +12,7 @@ use nbody::points::{Fault, Population};
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
 
+pub use epicycles::Epicycles;
 pub use meetings::{Blocks, Encounters};
 pub use motions::{JacobiMap, Kepler, Straight};
 pub use radau::Radau;

@@ -9,7 +9,8 @@ use coupling::accretion::{Accretion, Collisions};
 use coupling::cooling::CoolGas;
 use coupling::drag::{BodyDrag, DustDrag, DustInDisk, Ties};
 use coupling::drift::{
-    Blocks, DriftBodies, DriftDust, DriftGas, Encounters, JacobiMap, Kepler, Radau, Straight,
+    Blocks, DriftBodies, DriftDust, DriftGas, Encounters, Epicycles, JacobiMap, Kepler, Radau,
+    Straight,
 };
 use coupling::external::{
     Central, DiskDrag, External, GasDisk, Local, Migration, Oblateness, Relativity, Rotation,
@@ -154,6 +155,12 @@ fn bodies_step(scene: &Scene, system: &System, integrator: Integrator) -> f64 {
     if let TimeStep::Fixed(dt) = scene.run.time_step {
         return dt;
     }
+    if let Some(hill) = scene.domain.hill() {
+        return match scene.coupling.gas_planetesimals {
+            true => scene.accuracy.orbit_step / hill.rate,
+            false => f64::INFINITY,
+        };
+    }
     let touching = scene
         .planetesimals
         .as_ref()
@@ -244,7 +251,8 @@ fn operators(
         observers: [false; 3],
     };
     list.extend(local_forces(scene));
-    if plan.tree.is_some() || bodies {
+    let framed = scene.domain.hill().is_some();
+    if plan.tree.is_some() || bodies && !framed {
         let gravity = Gravity::new(plan.clone());
         drift.observers = gravity.observers();
         list.push(Box::new(gravity));
@@ -283,7 +291,7 @@ fn operators(
     }
     let jacobi = jacobi(scene, integrator);
     let whole = matches!(integrator, Integrator::GaussRadau | Integrator::Hermite);
-    if bodies && jacobi.is_none() && (!whole || kicked) {
+    if bodies && !framed && jacobi.is_none() && (!whole || kicked) {
         list.push(Box::new(KickBodies {
             step,
             mutual: mutual(scene),
@@ -310,7 +318,7 @@ fn operators(
         };
         let reaction = reaction(Mass::Dust, plan.dust);
         let mut kick = KickDust::new(pacing, parts, reaction);
-        kick.pulled = plan.tree.is_some() || bodies || scene.domain.hill().is_some();
+        kick.pulled = plan.tree.is_some() || bodies || framed;
         list.push(Box::new(kick));
         list.extend(stirring(scene, hydro.as_ref().filter(|_| gas)));
     }
@@ -335,6 +343,7 @@ fn operators(
             (_, _, Mutual::Changeover(meetings)) => {
                 Box::new(DriftBodies::new(Encounters(meetings.clone())))
             }
+            (Integrator::Epicycles, ..) => Box::new(DriftBodies::new(epicycles(scene, step))),
             (Integrator::Leapfrog, ..) => Box::new(DriftBodies::new(Straight)),
             (Integrator::Hermite, ..) => Box::new(DriftBodies::new(Blocks::new(kicked, step))),
             (Integrator::GaussRadau, ..) => Box::new(DriftBodies::new(Radau { kicked, step })),
@@ -384,22 +393,35 @@ fn stirring(scene: &Scene, hydro: Option<&gas::Hydro>) -> Option<Box<dyn Operato
     Some(Box::new(Stir::new(strength, law, medium, scene.run.seed)))
 }
 
-/// What a shearing box takes over from its disk.
+/// What a shearing box takes over from its disk, on gas and dust.
 fn local_forces(scene: &Scene) -> Option<Box<dyn Operator>> {
     let (hill, local) = (scene.domain.hill()?, scene.local);
     if local == scene::Local::default() {
         return None;
     }
-    let vertical = if local.vertical_gravity {
-        hill.rate
-    } else {
-        0.0
-    };
+    let [vertical, middle] = oscillation(scene);
     Some(Box::new(Local {
         push: 2.0 * hill.rate * local.headwind,
         square_frequency: vertical * vertical,
-        middle: scene.domain.size().map_or(0.0, |size| 0.5 * size.z),
+        middle,
     }))
+}
+
+/// How bodies move in a shearing box.
+fn epicycles(scene: &Scene, step: f64) -> Epicycles {
+    let [vertical, middle] = oscillation(scene);
+    Epicycles {
+        step,
+        vertical,
+        middle,
+    }
+}
+
+/// Frequency of the oscillation in the vertical gravity of a shearing box, zero without that, and the height that it is about.
+pub fn oscillation(scene: &Scene) -> [f64; 2] {
+    let hill = scene.domain.hill().filter(|_| scene.local.vertical_gravity);
+    let middle = scene.domain.size().map_or(0.0, |size| 0.5 * size.z);
+    [hill.map_or(0.0, |hill| hill.rate), middle]
 }
 
 /// What acts on bodies by a formula.

@@ -272,7 +272,7 @@ fn surroundings(scene: &Scene, system: &System) -> Vec<String> {
     }
     said.extend(stirring(scene));
     let massless = count(&|i| bodies.m[i] == 0.0);
-    if massless > 0 {
+    if massless > 0 && scene.domain.hill().is_none() {
         said.push(format!(
             "{massless} of the bodies are test particles: they feel gravity and do not pull"
         ));

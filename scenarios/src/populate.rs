@@ -118,7 +118,9 @@ fn bodies(scene: &Scene, system: &mut System, ids: &mut Ids, mut file: Bodies) {
         let id = ids.take(1);
         match planet.orbit {
             scene::Orbit::State { position, velocity } => {
-                belt::place(&mut bodies, id, body, (position, velocity))
+                let mut v = [Vec3::zeros()];
+                streaming(scene, velocity, &[position], &mut v);
+                belt::place(&mut bodies, id, body, (position, v[0]))
             }
             scene::Orbit::Elements {
                 semi_major_axis,
@@ -269,7 +271,7 @@ fn block(
     (x, mass, first)
 }
 
-/// Velocities of a block: in a shearing box relative to the shear.
+/// Velocities that a scene gives: in a shearing box relative to the shear.
 fn streaming(scene: &Scene, velocity: Vec3, x: &[Vec3], v: &mut [Vec3]) {
     for (v, &x) in v.iter_mut().zip(x) {
         let stream = scene.domain.hill().map_or(0.0, |hill| hill.stream(x));

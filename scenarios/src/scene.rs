@@ -325,6 +325,8 @@ pub enum Integrator {
     Hermite,
     Hybrid,
     GaussRadau,
+    /// In a shearing box.
+    Epicycles,
 }
 
 /// Coordinates of the Wisdom-Holman map.

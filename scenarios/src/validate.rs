@@ -3,9 +3,8 @@
 //! A value that has already been refused stands here as not-a-number, which breaks no rule.
 
 mod composition;
+mod frame;
 mod growth;
-
-use nbody::points::Vec3;
 
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
@@ -107,7 +106,7 @@ fn something_to_model(scene: &Scene, complaints: &Complaints<'_>) {
         };
         complaints.say("star", sentence);
     }
-    bodies_in_a_shearing_box(scene, complaints);
+    frame::rules(scene, complaints);
     let edge = scene.gas.as_ref().and_then(|gas| gas.edge);
     if edge.is_some_and(|edge| edge.supported)
         && scene.star.is_some_and(|star| star.accretion_radius == 0.0)
@@ -140,20 +139,6 @@ fn steps(scene: &Scene, complaints: &Complaints<'_>) {
         {
             let sentence = format!("makes more than {MOST_STEPS:e} steps to run.end_time");
             complaints.say(path, &sentence);
-        }
-    }
-}
-
-fn bodies_in_a_shearing_box(scene: &Scene, complaints: &Complaints<'_>) {
-    if scene.domain.hill().is_none() {
-        return;
-    }
-    for table in ["planetesimals", "planet"] {
-        if named(complaints.entries, table).is_some() {
-            complaints.say(
-                table,
-                "cannot be modelled in a shearing box, where only gas and dust are",
-            );
         }
     }
 }
@@ -291,22 +276,15 @@ fn block_rules(scene: &Scene, block: &Block, path: &str, complaints: &Complaints
             "is wider than the box from lo to hi",
         );
     }
-    if let Some(size) = scene.domain.size() {
-        let inside = |x: Vec3| axes(&|axis| x[axis] < 0.0 || x[axis] > size[axis]);
-        for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
-            if inside(corner) {
-                complaints.say(
-                    &format!("{path}.{key}"),
-                    match scene.domain.hill() {
-                        Some(_) => {
-                            "lies outside the shearing box, which reaches from 0 to domain.size"
-                        }
-                        None => {
-                            "lies outside the periodic box, which reaches from 0 to domain.size"
-                        }
-                    },
-                );
-            }
+    for (key, corner) in [("lo", block.lo), ("hi", block.hi)] {
+        if frame::outside(scene, corner) {
+            complaints.say(
+                &format!("{path}.{key}"),
+                match scene.domain.hill() {
+                    Some(_) => frame::OUTSIDE,
+                    None => "lies outside the periodic box, which reaches from 0 to domain.size",
+                },
+            );
         }
     }
 }
@@ -369,7 +347,8 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             "must be less than planetesimals.outer_radius",
         );
     }
-    if bodies.integrator == Integrator::WisdomHolman {
+    let framed = scene.domain.hill().is_some();
+    if bodies.integrator == Integrator::WisdomHolman && !framed {
         if scene.star.is_none() {
             complaints.say(
                 "planetesimals.integrator",
@@ -383,7 +362,7 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
             );
         }
     }
-    if bodies.integrator == Integrator::Hybrid {
+    if bodies.integrator == Integrator::Hybrid && !framed {
         hybrid_rules(scene, complaints);
     }
     if let Coordinates::Jacobi(_) = bodies.coordinates {
@@ -545,6 +524,9 @@ fn planet_rules(scene: &Scene, complaints: &Complaints<'_>) {
                 // Closer than any square of a distance says.
                 if scene.star.is_some() && position.norm_squared() == 0.0 {
                     complaints.say(&format!("{path}.position"), "is that of the star");
+                }
+                if scene.domain.hill().is_some() && frame::outside(scene, position) {
+                    complaints.say(&format!("{path}.position"), frame::OUTSIDE);
                 }
             }
         }

@@ -7,11 +7,12 @@ use crate::scene::{Integrator, Scene};
 use crate::validate;
 
 /// The integrators that a run can choose, by their numbers in checkpoints.
-const CHOICES: [(u64, Integrator, &str); 4] = [
+const CHOICES: [(u64, Integrator, &str); 5] = [
     (1, Integrator::WisdomHolman, "wisdom-holman"),
     (2, Integrator::Hybrid, "hybrid"),
     (3, Integrator::GaussRadau, "gauss-radau"),
     (4, Integrator::Leapfrog, "leapfrog"),
+    (5, Integrator::Epicycles, "epicycles"),
 ];
 
 /// The integrator of an assembled system.
@@ -56,7 +57,9 @@ pub(super) fn integrator(
 /// The integrator that suits the system, and why.
 fn suitable(scene: &Scene, system: &System) -> (Integrator, &'static str) {
     let few = system.bodies.len() <= 16 && system.gas.is_empty() && system.dust.is_empty();
-    if !system.star.is_empty() {
+    if scene.domain.hill().is_some() {
+        (Integrator::Epicycles, "the box is a shearing box")
+    } else if !system.star.is_empty() {
         if validate::all_bodies_pull(scene) && orbits_meet(system) {
             (
                 Integrator::Hybrid,

@@ -50,7 +50,15 @@ pub fn planetesimals(root: &Section<'_>, facts: &Facts) -> Option<Planetesimals>
         composition: composition(&section),
     };
     if number > 0 && !facts.has_star {
-        section.wrong("number", "needs a [star] to orbit");
+        section.wrong(
+            "number",
+            match facts.has_orbits {
+                true => {
+                    "needs a [star] to orbit; in a shearing box give [[planet]] or an initial.file"
+                }
+                false => "needs a [star] to orbit",
+            },
+        );
     }
     section.close();
     Some(bodies)
@@ -161,6 +169,7 @@ fn integrator(section: &Section<'_>) -> Integrator {
         ("hermite", Integrator::Hermite),
         ("hybrid", Integrator::Hybrid),
         ("gauss-radau", Integrator::GaussRadau),
+        ("epicycles", Integrator::Epicycles),
     ];
     section
         .choice("integrator", &options, &[])

@@ -70,7 +70,8 @@ impl Folder {
         let [ledger, operators, events] = [0, 1, 2].map(|k| table(k, HISTORIES[k]));
         let small = scene.planetesimals.as_ref().map_or(0, |p| p.number);
         let pulled = scene.gas.is_some() || scene.dust.is_some() || small > 0;
-        let pulled = pulled && !scene.planets.is_empty();
+        // Torques are about the star, which a shearing box has not.
+        let pulled = pulled && !scene.planets.is_empty() && scene.domain.hill().is_none();
         let torques = pulled.then(|| table(HISTORIES.len(), TORQUES));
         let turbulence = scene.dust.as_ref().map(|dust| dust.turbulence);
         let floor = match turbulence {
@@ -241,7 +242,7 @@ impl Extra {
             gravity_of_gas: Vec::new(),
         };
         if scene.run.write_accelerations {
-            let star = central_pulls(system);
+            let mut of_bodies = central_pulls(system);
             if gas.rates.gravity.len() + gas.rates.field.len() > 0 {
                 extra.gravity_of_gas = (0..gas.len()).map(|i| gas.rates.attraction(i)).collect();
             }
@@ -252,10 +253,14 @@ impl Extra {
             let p = &gas.particles;
             let of_gas = |i: usize| gas.acceleration(i) + frame(p.x[i], p.v[i]);
             let of_dust = |i: usize| system.dust.rates.gravity[i] + frame(dust.x[i], dust.v[i]);
+            let [vertical, middle] = crate::assemble::oscillation(scene);
+            for ((a, x), v) in of_bodies.iter_mut().zip(&bodies.x).zip(&bodies.v) {
+                *a += frame(*x, *v) + Vec3::z() * (vertical * vertical * (middle - x.z));
+            }
             extra.accelerations = [
                 (0..gas.len()).map(of_gas).collect(),
                 (0..dust.len()).map(of_dust).collect(),
-                star,
+                of_bodies,
                 system.star.a.clone(),
             ];
         }
@@ -272,7 +277,8 @@ impl Extra {
                     return group;
                 }
                 let group = group.with_column(ACCELERATION, ColumnRef::Vector(all));
-                if gravity.is_empty() {
+                // What pulls in a shearing box is no gravity of masses, and has no potential here.
+                if gravity.is_empty() || potential.is_empty() {
                     return group;
                 }
                 group
@@ -298,7 +304,11 @@ impl Extra {
             let group = Group::new(1)
                 .with(&system.bodies)
                 .with_column(BODY_DENSITY, ColumnRef::Real(&self.body_densities));
-            groups.push(forces(group, a_bodies, a_bodies, &system.bodies.potential));
+            let pulls: &[Vec3] = match system.domain.hill() {
+                Some(_) => &[],
+                None => a_bodies,
+            };
+            groups.push(forces(group, a_bodies, pulls, &system.bodies.potential));
         }
         if !dust.is_empty() {
             let group = Group::new(2).with(&dust.particles).with(&dust.derived);

@@ -253,7 +253,7 @@ pub fn defaults(scene: &Scene, given: &Entries) -> Vec<Knob> {
         let all = ["leapfrog", "wisdom-holman", "hybrid", "gauss-radau"];
         let few = number <= FEW && !has_fluids(scene);
         let names: &[&str] = if few { &all } else { &usual };
-        if bodies.integrator != Integrator::Hermite {
+        if bodies.integrator != Integrator::Hermite && scene.domain.hill().is_none() {
             knobs.push(Knob::of("planetesimals.integrator", names));
         }
     }

@@ -32,6 +32,7 @@ pub fn write_bodies(text: &mut Text, bodies: &Planetesimals) {
             Integrator::Hermite => "hermite",
             Integrator::Hybrid => "hybrid",
             Integrator::GaussRadau => "gauss-radau",
+            Integrator::Epicycles => "epicycles",
         },
     );
     write_coordinates(text, bodies.coordinates);
