@@ -25,7 +25,7 @@ mod gas {
     mod edges;
     mod extremes;
     mod sedov;
-    mod shearing;
+    pub mod shearing;
     mod shock_tube;
     mod square;
 }

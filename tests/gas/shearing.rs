@@ -321,7 +321,7 @@ velocity = [0.2, 0.05, 0.0]
 }
 
 /// Disordered gas and dust in a stratified box of three dimensions.
-const STRATIFIED: &str = r#"
+pub const STRATIFIED: &str = r#"
 [run]
 end_time = 0.4
 snapshots = 0.1
