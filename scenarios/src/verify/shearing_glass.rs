@@ -187,7 +187,6 @@ fn placed((name, scheme): Scheme) -> Vec<Row> {
             "late noise of velocity, placed by not",
             ratio(both(|at| at.v)),
         ),
-        ("diffusion by c H", diffusion(&noise[1])),
         ("part of the solves that converge", converged),
         ("iterations a solve", solves.iterations as f64 / count),
         ("residual before a solve", solves.before / count),
