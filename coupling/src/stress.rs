@@ -37,7 +37,7 @@ const ALONE: f64 = 0.9;
 /// The averages of a ring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ring {
-    /// Of stress and pressure by density, each weighted by the time since the start.
+    /// Of stress and pressure by density, squares of velocities in code units; each weighted by the time since the start.
     pub stress: f64,
     pub pressure: f64,
 }

@@ -81,10 +81,10 @@ impl Gas {
             let (p, cs) = (derived.p[i], derived.cs[i]);
             let crossing = support * h[i] / cs;
             let fall = derived.rho[i] * cs * cs / p * derived.div_v[i] * crossing;
-            if p > 0.0 {
-                p * (1.0 - fall).min(0.0).exp()
+            if p > 0.0 && fall > 1.0 {
+                p * (1.0 - fall).exp()
             } else {
-                0.0
+                p.max(0.0)
             }
         };
         let active = self.vicinity.active.iter().map(expected);
