@@ -203,7 +203,7 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     own(
         "toomre",
-        "waves in a razor-thin annulus of 60 000 particles that pulls itself, one that oscillates and one that grows; about 1 minute",
+        "waves in a razor-thin annulus of 60 000 and 120 000 particles that pulls itself, one that oscillates and two that grow; about 1 minute",
         toomre::rows,
     ),
     own(
