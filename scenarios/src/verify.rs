@@ -15,6 +15,7 @@ mod sheet;
 mod steps;
 mod stirring;
 mod toomre;
+mod viscous;
 mod wide_disk;
 
 use std::path::Path;
@@ -326,6 +327,11 @@ pub const PROBLEMS: &[Problem] = &[
         "gas-passing-rows",
         "change of the force as rows of particles pass each other, which should be none (Makino 2013)",
         gas::passing_rows::of,
+    ),
+    of_scheme(
+        "gas-oblique",
+        "Sod's tube in the plane with lattices turned by 0 to 45 degrees, by every viscosity (Makino 2013)",
+        gas::oblique::of,
     ),
     of_scheme(
         "gas-blob",

@@ -10,11 +10,11 @@
 use std::f64::consts::TAU;
 
 use coupling::System;
-use gas::{Gas, Hydro, Particles, Viscosity};
+use gas::Particles;
 use nbody::points::{Columns, Vec3};
 
+use super::viscous::Inviscid;
 use super::{Bar, Row, sheet};
-use crate::populate;
 use crate::trial::Trial;
 
 const MIDDLE: f64 = 10.0;
@@ -48,7 +48,7 @@ pub struct Life {
 /// Gradients by which sums of any formulation are taken.
 const GRADIENTS: [&str; 2] = ["standard", "matrix"];
 
-const VISCOSITIES: [&str; 8] = [
+pub const VISCOSITIES: [&str; 8] = [
     "none",
     "constant",
     "balsara",
@@ -232,21 +232,14 @@ fn outer(system: &System, n: usize) -> [f64; 2] {
 }
 
 /// The torques on that half by viscosity and by pressure.
-fn torques(system: &System, n: usize, inviscid: &Hydro) -> [f64; 2] {
-    let torque = |gas: &Gas| {
-        let p = &gas.particles;
-        let outside = (0..gas.len()).filter(|&i| p.id[i] >= n as u64 / 2);
-        let sum: f64 = outside
-            .map(|i| p.m[i] * p.x[i].cross(&gas.rates.hydro[i]).z)
-            .sum();
-        sum
+fn torques(system: &System, n: usize, inviscid: &Inviscid) -> [f64; 2] {
+    let p = &system.gas.particles;
+    let torque = |a: &[Vec3]| -> f64 {
+        let outside = (0..p.len()).filter(|&i| p.id[i] >= n as u64 / 2);
+        outside.map(|i| p.m[i] * p.x[i].cross(&a[i]).z).sum()
     };
-    let all = torque(&system.gas);
-    let mut still = system.gas.clone();
-    still.particles.alpha.fill(0.0);
-    still.forces(inviscid, &system.clock, &system.clock);
-    let pressure = torque(&still);
-    [all - pressure, pressure]
+    let pressure = torque(&inviscid.pushes(system));
+    [torque(&system.gas.rates.hydro) - pressure, pressure]
 }
 
 /// The angular momenta of the outer half and of the ring at the first sample, that of the half at the last, and its torques summed by trapezoids.
@@ -287,11 +280,7 @@ pub fn life(
 ) -> Result<Life, String> {
     let mut trial = Trial::new(&scene(n, scheme), overrides, lay_out)?;
     let n = trial.system.gas.len();
-    let gas = trial.scene.gas.as_ref().expect("a ring of gas");
-    let inviscid = Hydro {
-        viscosity: Viscosity::None,
-        ..populate::hydro(&trial.scene, gas)
-    };
+    let inviscid = Inviscid::of(&trial);
     let mut life = Life::default();
     let (mut first, mut axes) = (None, Vec::new());
     let stops: Vec<f64> = (0..=orbits * SAMPLES)

@@ -69,6 +69,20 @@ impl Scheme {
         Ok(scheme)
     }
 
+    /// The viscosity that it names, if it does.
+    pub(super) fn viscosity(&self) -> Option<String> {
+        let key = self.keys.iter().rfind(|key| key.starts_with(KIND))?;
+        let (_, kind) = key.split_once('=')?;
+        Some(kind.trim_matches([' ', '"', '\'']).to_owned())
+    }
+
+    /// The same with another viscosity, if its other keys allow it; without pictures.
+    pub(super) fn with_viscosity(&self, kind: &str) -> Option<Self> {
+        let mut keys = self.keys.clone();
+        keys.push(format!("{KIND}={kind}"));
+        Self::new(self.is_recommended, &keys, None).ok()
+    }
+
     /// The keys for a scene.
     fn keys_of(&self, scene: &str) -> Vec<String> {
         let is_plane = scene.lines().any(|line| line == "dimensions = 2");
@@ -91,6 +105,12 @@ impl Scheme {
         keys
     }
 
+    /// A scene in place, its gas changed by `prepare` before the start.
+    pub(super) fn trial(&self, scene: &str, prepare: impl FnOnce(&mut Particles)) -> Trial {
+        Trial::new(scene, &self.keys_of(scene), prepare)
+            .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"))
+    }
+
     /// What a scene is at the start and at each of the times, its gas changed by `prepare` before the start.
     pub(super) fn run(
         &self,
@@ -98,8 +118,7 @@ impl Scheme {
         times: &[f64],
         prepare: impl FnOnce(&mut Particles),
     ) -> Vec<End> {
-        let mut trial = Trial::new(scene, &self.keys_of(scene), prepare)
-            .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
+        let mut trial = self.trial(scene, prepare);
         let stops: Vec<f64> = std::iter::once(0.0).chain(times.iter().copied()).collect();
         let mut ends = Vec::new();
         let done = trial.run(&stops, |stop| ends.push(End::of(stop.system, stop.books)));
