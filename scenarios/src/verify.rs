@@ -213,6 +213,11 @@ pub const PROBLEMS: &[Problem] = &[
         gammie::rows,
     ),
     own(
+        "gammie-boundary",
+        "the same disks at beta = 4 to 10, for 20 cooling times or until they break: alpha by its sources; about 25 minutes",
+        gammie::boundary,
+    ),
+    own(
         "wide-disk",
         "a gas disk of 1e5 particles without self-gravity through three orbits of its inner edge; about 1 minute",
         wide_disk::rows,

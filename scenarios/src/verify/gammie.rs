@@ -5,9 +5,8 @@
 //! distance from the star, whose surroundings are bound: kinetic, internal and potential energy within 0.03 of it, about their mean motion.
 //! A run ends there. Accepted: fragments at beta <= 3, none at beta = 30.
 //!
-//! alpha = 4 / (9 gamma (gamma - 1) beta) where cooling balances the stress's heat. Measured over the second half of a slow run, for R from 0.7 to 1.3:
-//! alpha = 2/3 < v_R dv_phi Sigma > / < Sigma c^2 >, and 2/3 F / (2 pi R^2 Sigma c^2) of the torque F of the gas inside of R on that outside.
-//! Artificial viscosity heats too: both together are less than what balances the cooling.
+//! alpha = 4 / (9 gamma (gamma - 1) beta) where cooling balances the stress's heat. Measured over the second half of a slow run by its [`stress`].
+//! About the boundary disks are followed for 20 cooling times of R = 1; a number's error there is by the parts of that half.
 //! Sources: Gammie (2001), ApJ 553, 174; Rice, Lodato & Armitage (2005) for gamma = 5/3 (in space).
 
 use std::f64::consts::{PI, SQRT_2, TAU};
@@ -18,9 +17,13 @@ use nbody::points::random::{Purpose, stream};
 use nbody::points::{Columns, Fault, Vec3};
 use rand::RngExt;
 
+use self::stress::Stress;
 use super::sheet::{self, Ring, Sheet};
+use super::viscous::Inviscid;
 use super::{Bar, Row};
 use crate::trial::Trial;
+
+mod stress;
 
 const PARTICLES: usize = 20_000;
 const GAMMA: f64 = 5.0 / 3.0;
@@ -36,6 +39,9 @@ const CONTRAST: f64 = 100.0;
 const SIZE: f64 = 0.03;
 /// Orbits at R = 1, by beta.
 const CASES: [(f64, f64); 4] = [(2.0, 6.0), (3.0, 6.0), (10.0, 8.0), (30.0, 12.0)];
+/// beta about the boundary, and how many cooling times they are followed for.
+const BOUNDARY: [f64; 4] = [4.0, 5.0, 7.0, 10.0];
+const COOLING_TIMES: f64 = 20.0;
 /// Stops an orbit.
 const STOPS: usize = 10;
 
@@ -73,16 +79,14 @@ pulls = {{ gas = ["gas"] }}
 }
 
 /// What became of a disk.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct End {
     orbits: f64,
     /// The largest surface density by that at the start, ever.
     peak: f64,
     fragment: Option<Fragment>,
-    /// By velocities and by gravity.
-    alpha: [f64; 2],
-    /// Mean of Q at the end.
-    q: f64,
+    /// Over the second half.
+    stress: Vec<Stress>,
 }
 
 /// What is within a fragment.
@@ -127,20 +131,59 @@ pub fn rows() -> Vec<Row> {
                 Bar::Limit([0.9, 1.0]),
             );
         } else {
-            let [velocities, gravity] = end.alpha;
-            let expected = 4.0 / (9.0 * GAMMA * (GAMMA - 1.0) * beta);
-            row("alpha of the velocities", velocities, Bar::None);
-            row("alpha of gravity", gravity, Bar::None);
-            row("alpha that balances the cooling", expected, Bar::None);
-            row(
-                "alpha measured by it",
-                (velocities + gravity) / expected,
-                Bar::None,
-            );
-            row("Q at the end", end.q, Bar::None);
+            rows.extend(turbulence(beta, &end));
         }
     }
     rows
+}
+
+/// Disks about the boundary, for as many cooling times as it takes to be sure.
+pub fn boundary() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for beta in BOUNDARY {
+        let end = run(beta, COOLING_TIMES * beta / TAU)
+            .unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
+        let mut row = |what: &str, measured: f64| {
+            rows.push(Row::new(
+                format!("beta = {beta}: {what}"),
+                measured,
+                Bar::None,
+            ));
+        };
+        row("cooling times", end.orbits * TAU / beta);
+        row("largest surface density by that at the start", end.peak);
+        match end.fragment {
+            Some(fragment) => row("bound mass by the disk's", fragment.mass),
+            None => rows.extend(turbulence(beta, &end)),
+        }
+    }
+    rows
+}
+
+/// alpha of a disk that does not break, beside what balances its cooling.
+fn turbulence(beta: f64, end: &End) -> Vec<Row> {
+    let expected = 4.0 / (9.0 * GAMMA * (GAMMA - 1.0) * beta);
+    let row = |what: &str, of: &dyn Fn(&Stress) -> f64| {
+        let (mean, error) = stress::mean(&end.stress, of);
+        Row {
+            uncertainty: error,
+            ..Row::new(format!("beta = {beta}: {what}"), mean, Bar::None)
+        }
+    };
+    let all = |stress: &Stress| stress.velocities + stress.gravity;
+    vec![
+        row("alpha of the velocities", &|stress| stress.velocities),
+        row("alpha of gravity", &|stress| stress.gravity),
+        row("alpha of artificial viscosity", &|stress| stress.viscosity),
+        row("alpha that balances the cooling", &|_| expected),
+        row("alpha of velocities and gravity by it", &|stress| {
+            all(stress) / expected
+        }),
+        row("all three by it", &|stress| {
+            (all(stress) + stress.viscosity) / expected
+        }),
+        row("Q", &|stress| stress.q),
+    ]
 }
 
 fn run(beta: f64, orbits: f64) -> Result<End, Fault> {
@@ -158,7 +201,8 @@ fn run(beta: f64, orbits: f64) -> Result<End, Fault> {
     let stops: Vec<f64> = (0..=number)
         .map(|k| TAU * k as f64 / STOPS as f64)
         .collect();
-    let (mut end, mut samples) = (End::default(), 0.0);
+    let inviscid = Inviscid::of(&trial);
+    let mut end = End::default();
     trial.run_while(&stops, |stop| {
         end.orbits = stop.system.clock.time() / TAU;
         let (place, contrast) = densest(stop.system);
@@ -168,12 +212,7 @@ fn run(beta: f64, orbits: f64) -> Result<End, Fault> {
             return end.fragment.is_some_and(|fragment| fragment.heat >= 1.0);
         }
         if 2.0 * end.orbits >= orbits {
-            let (alpha, q) = stress(stop.system);
-            samples += 1.0;
-            for (mean, alpha) in end.alpha.iter_mut().zip(alpha) {
-                *mean += (alpha - *mean) / samples;
-            }
-            end.q = q;
+            end.stress.push(Stress::of(stop.system, &inviscid));
         }
         true
     })?;
@@ -234,48 +273,4 @@ fn fragment(system: &System, place: usize) -> Fragment {
         mass: mass / MASS,
         heat: motion / potential,
     }
-}
-
-/// alpha of velocities and of gravity, and the mean of Q by mass, for R from 0.7 to 1.3.
-fn stress(system: &System) -> ([f64; 2], f64) {
-    const RINGS: usize = 12;
-    const FIRST: f64 = 0.7;
-    const WIDTH: f64 = 0.05;
-    let gas = &system.gas;
-    let (p, star) = (&gas.particles, (system.star.x[0], system.star.v[0]));
-    // Of a ring: mass, and by mass v_R, v_phi, v_R v_phi, c^2; and the torque on it.
-    let mut rings = [[0.0; 5]; RINGS];
-    let mut torques = [0.0; RINGS + 1];
-    for i in 0..p.len() {
-        let (x, v) = (p.x[i] - star.0, p.v[i] - star.1);
-        let r = x.norm();
-        let (v_r, v_phi) = (x.dot(&v) / r, x.cross(&v).z / r);
-        let place = (r - FIRST) / WIDTH;
-        // Particles beyond the first edges that lie within theirs feel all gas inside of it: forces among them cancel.
-        let torque = p.m[i] * x.cross(&gas.rates.attraction(i)).z;
-        for (edge, sum) in torques.iter_mut().enumerate() {
-            *sum += if place >= edge as f64 { torque } else { 0.0 };
-        }
-        if (0.0..RINGS as f64).contains(&place) {
-            let c2 = gas.derived.cs[i].powi(2);
-            // What the mean rotation changes by within a ring is no stress.
-            let v_phi = v_phi - r.powf(-0.5);
-            let sums = &mut rings[place as usize];
-            for (sum, value) in sums.iter_mut().zip([1.0, v_r, v_phi, v_r * v_phi, c2]) {
-                *sum += p.m[i] * value;
-            }
-        }
-    }
-    let (mut alpha, mut q, mut all) = ([0.0; 2], 0.0, 0.0);
-    for (k, [m, v_r, v_phi, both, c2]) in rings.into_iter().enumerate() {
-        let r = FIRST + (k as f64 + 0.5) * WIDTH;
-        let torque = 0.5 * (torques[k] + torques[k + 1]);
-        // m c^2 / (2 pi R width) is Sigma c^2: F = 2 pi R^2 T.
-        alpha[0] += 2.0 / 3.0 * (both - v_r * v_phi / m) / c2 * m;
-        alpha[1] += 2.0 / 3.0 * torque * WIDTH / (r * c2) * m;
-        let sigma = m / (TAU * r * WIDTH);
-        q += (c2 / m).sqrt() * r.powf(-1.5) / (PI * sigma) * m;
-        all += m;
-    }
-    (alpha.map(|alpha| alpha / all), q / all)
 }
