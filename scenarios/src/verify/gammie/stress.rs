@@ -1,7 +1,8 @@
 //! The stress of a turbulent disk as an alpha, for R from 0.7 to 1.3.
 //!
 //! alpha = 2/3 < v_R dv_phi Sigma > / < Sigma c^2 > of velocities, and 2/3 F / (2 pi R^2 Sigma c^2) of the torque F of the gas inside of R on that
-//! outside, by gravity and by artificial viscosity. All three together balance the cooling where the disk is steady.
+//! outside, by gravity, by artificial viscosity and by the pressure of particles across R. All together balance the cooling where the disk is steady
+//! and no energy comes or goes as waves.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,6 +23,7 @@ pub struct Stress {
     pub velocities: f64,
     pub gravity: f64,
     pub viscosity: f64,
+    pub pressure: f64,
     pub q: f64,
 }
 
@@ -29,18 +31,18 @@ impl Stress {
     pub fn of(system: &System, inviscid: &Inviscid) -> Self {
         let gas = &system.gas;
         let (p, star) = (&gas.particles, (system.star.x[0], system.star.v[0]));
-        let drags = inviscid.drags(system);
+        let pushes = inviscid.pushes(system);
         // Of a ring: mass, and by mass v_R, v_phi, v_R v_phi, c^2; and the torques on what lies outside of its edges.
         let mut rings = [[0.0; 5]; RINGS];
-        let mut torques = [[0.0; 2]; RINGS + 1];
-        for (i, drag) in drags.iter().enumerate() {
+        let mut torques = [[0.0; 3]; RINGS + 1];
+        for (i, push) in pushes.iter().enumerate() {
             let (x, v) = (p.x[i] - star.0, p.v[i] - star.1);
             let r = x.norm();
             let (v_r, v_phi) = (x.dot(&v) / r, x.cross(&v).z / r);
             let place = (r - FIRST) / WIDTH;
             // Particles beyond the first edges that lie within theirs feel all gas inside of it: forces among them cancel.
             let torque = |a: Vec3| p.m[i] * x.cross(&a).z;
-            let own = [torque(gas.rates.attraction(i)), torque(*drag)];
+            let own = [gas.rates.attraction(i), gas.rates.hydro[i] - push, *push].map(torque);
             for (edge, sums) in torques.iter_mut().enumerate() {
                 for (sum, torque) in sums.iter_mut().zip(own) {
                     *sum += if place >= edge as f64 { torque } else { 0.0 };
@@ -60,7 +62,7 @@ impl Stress {
     }
 
     /// The mean over rings by their mass.
-    fn over(rings: &[[f64; 5]; RINGS], torques: &[[f64; 2]; RINGS + 1]) -> Self {
+    fn over(rings: &[[f64; 5]; RINGS], torques: &[[f64; 3]; RINGS + 1]) -> Self {
         let (mut mean, mut all) = (Self::default(), 0.0);
         for (k, [m, v_r, v_phi, both, c2]) in rings.iter().copied().enumerate() {
             let r = FIRST + (k as f64 + 0.5) * WIDTH;
@@ -72,6 +74,7 @@ impl Stress {
             mean.velocities += 2.0 / 3.0 * (both - v_r * v_phi / m) / c2 * m;
             mean.gravity += of(0);
             mean.viscosity += of(1);
+            mean.pressure += of(2);
             let sigma = m / (TAU * r * WIDTH);
             mean.q += (c2 / m).sqrt() * r.powf(-1.5) / (PI * sigma) * m;
             all += m;
@@ -80,6 +83,7 @@ impl Stress {
             velocities: mean.velocities / all,
             gravity: mean.gravity / all,
             viscosity: mean.viscosity / all,
+            pressure: mean.pressure / all,
             q: mean.q / all,
         }
     }
@@ -104,8 +108,8 @@ mod tests {
 
     #[test]
     fn rings_of_one_stress_have_its_alpha() {
-        // v_R v_phi by mass 0.03, mean velocities of 0.1 and 0.2 that are none of it, c^2 = 0.5, and torques 2 pi R^2 alpha Sigma c^2 3/2 of alpha 0.07, 0.01.
-        let (mut rings, mut torques) = ([[0.0; 5]; RINGS], [[0.0; 2]; RINGS + 1]);
+        // v_R v_phi by mass 0.03, mean velocities of 0.1 and 0.2 that are none of it, c^2 = 0.5, and torques 2 pi R^2 alpha Sigma c^2 3/2 of alpha 0.07, 0.01, -0.02.
+        let (mut rings, mut torques) = ([[0.0; 5]; RINGS], [[0.0; 3]; RINGS + 1]);
         let sigma = |r: f64| 1.0 / r;
         for (k, ring) in rings.iter_mut().enumerate() {
             let m = TAU
@@ -117,13 +121,14 @@ mod tests {
         for (edge, torque) in torques.iter_mut().enumerate() {
             let r = FIRST + edge as f64 * WIDTH;
             let whole = TAU * r * r * 1.5 * sigma(r) * 0.5;
-            *torque = [0.07 * whole, 0.01 * whole];
+            *torque = [0.07 * whole, 0.01 * whole, -0.02 * whole];
         }
         let found = Stress::over(&rings, &torques);
         for (found, expected) in [
             (found.velocities, 2.0 / 3.0 * 0.03 / 0.5),
             (found.gravity, 0.07),
             (found.viscosity, 0.01),
+            (found.pressure, -0.02),
         ] {
             assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
         }
