@@ -334,6 +334,11 @@ pub const PROBLEMS: &[Problem] = &[
         gas::passing_rows::of,
     ),
     of_scheme(
+        "gas-noise",
+        "forces, velocities and energy flux of particles in steady shear, by distance and rate (Makino 2013)",
+        gas::noise::of,
+    ),
+    of_scheme(
         "gas-oblique",
         "Sod's tube in the plane with lattices turned by 0 to 45 degrees, by every viscosity (Makino 2013)",
         gas::oblique::of,

@@ -8,6 +8,7 @@ pub mod evrard;
 pub mod gresho;
 pub mod liquid;
 pub mod noh;
+pub mod noise;
 pub mod oblique;
 pub mod passing_rows;
 mod picture;
