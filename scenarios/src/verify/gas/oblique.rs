@@ -3,7 +3,7 @@
 //! Square lattices, 1/240 and 3/240 apart on the left and on the right, turned by 0, 18, 27 and 45 degrees ([`tilt`]). Masses are within an eighth of each
 //! other, and the shock runs through one of them alone. Means over four times from 0.14 to 0.2 of
 //! - the width of the shock ([`front`]) by the distance of particles ahead of it,
-//! - the jump of the entropy P / rho^gamma behind it, by the exact one,
+//! - the jump of the entropy P / rho^gamma from ahead of it to behind, by the exact one,
 //! - the rms of viscous accelerations across the shock's normal by that along it, within the width on either side,
 //! - the rms velocity between contact and shock, along about its mean and across, by the exact one;
 //!
@@ -11,12 +11,11 @@
 //! viscosity. By every viscosity that the scheme allows, or by that which it names. `planar` and `planar-switch` have the same alpha: the former acts along the axis of
 //! compression, the latter along the line of each pair. Questions of Makino (2013, lecture slides). Exact solution: [`super::riemann`].
 
-use gas::Particles;
-use nbody::points::{Columns, Vec3};
+use nbody::points::Vec3;
 
 use self::front::{Front, rms};
 use self::tilt::Tilt;
-use super::riemann::State;
+use self::tube::Tube;
 use super::sod::TUBE;
 use super::{Bar, End, Quantity, Row, Scheme};
 use crate::verify::ring::VISCOSITIES;
@@ -24,6 +23,7 @@ use crate::verify::viscous::Inviscid;
 
 mod front;
 mod tilt;
+mod tube;
 
 const TILTS: [Tilt; 4] = [
     Tilt { rise: 0, run: 1 },
@@ -31,23 +31,14 @@ const TILTS: [Tilt; 4] = [
     Tilt { rise: 1, run: 2 },
     Tilt { rise: 1, run: 1 },
 ];
-/// Particles a length on the left, and by what they are farther apart on the right.
+/// Particles a length on the left.
 const CELLS: f64 = 240.0;
-const COARSER: u32 = 3;
-/// Distances of the right that the tube is wide at least: more than both sides of the widest kernel.
-const ACROSS: f64 = 10.0;
 const TIMES: [f64; 4] = [0.14, 0.16, 0.18, 0.2];
 
+/// Up to where the right half has nothing but this shock.
+const FAR: f64 = 1.58;
 /// What rounding may leave of the sum of some 1e4 forces that cancel pair by pair.
 const ROUNDING: [f64; 2] = [1e-14, 1e-12];
-
-/// A tube with its lattices in place.
-struct Tube {
-    tilt: Tilt,
-    /// Of the left.
-    side: f64,
-    tiles: [u32; 2],
-}
 
 /// What is seen of a shock.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,64 +56,6 @@ struct Seen {
 }
 
 impl Tube {
-    fn new(tilt: Tilt, cells: f64) -> Self {
-        let coarser = f64::from(COARSER);
-        // Whole tiles of the right.
-        let along = COARSER * (cells / (coarser * tilt.side())).round() as u32;
-        let across = COARSER * (ACROSS / tilt.side()).ceil() as u32;
-        Self {
-            tilt,
-            side: 1.0 / f64::from(along),
-            tiles: [along, across],
-        }
-    }
-
-    /// Distance of particles ahead of the shock.
-    fn distance(&self) -> f64 {
-        self.side * f64::from(COARSER) / self.tilt.side()
-    }
-
-    /// Its block only says how gas is bound; [`Tube::lay_out`] replaces it.
-    fn scene(&self) -> String {
-        let width = self.side * f64::from(self.tiles[1]);
-        format!(
-            "[run]\nend_time = 0.2\n[units]\nsystem = \"dimensionless\"\n[domain]\nkind = \"periodic\"\nsize = [2, {width}, {width}]\n\
-             dimensions = 2\n[[gas.block]]\nlo = [0, 0, 0]\nhi = [2, {width}, 0]\nspacing = 0.02\ndensity = 1\npressure = 1\n\
-             [gas.eos]\ngamma = {}\n",
-            TUBE.gamma
-        )
-    }
-
-    fn lay_out(&self, gas: &mut Particles) {
-        let coarse = self.tiles.map(|tiles| tiles / COARSER);
-        let halves = [
-            (0.0, self.side, self.tiles, TUBE.left.state),
-            (
-                1.0,
-                self.side * f64::from(COARSER),
-                coarse,
-                TUBE.right.state,
-            ),
-        ];
-        let filled = halves.map(|(from, side, tiles, state)| {
-            let places = self.tilt.places(from, side, tiles);
-            (places, (side / self.tilt.side()).powi(2), state)
-        });
-        gas.resize(filled.iter().map(|(places, ..)| places.len()).sum());
-        let mut i = 0;
-        for (places, volume, State { rho, p, .. }) in filled {
-            for x in places {
-                gas.id[i] = i as u64;
-                gas.x[i] = x;
-                gas.v[i] = Vec3::zeros();
-                gas.m[i] = rho * volume;
-                gas.u[i] = p / ((TUBE.gamma - 1.0) * rho);
-                gas.h[i] = 0.0;
-                i += 1;
-            }
-        }
-    }
-
     /// The means over times by a scheme.
     fn seen(&self, scheme: &Scheme) -> Seen {
         let mut trial = scheme.trial(&self.scene(), |gas| self.lay_out(gas));
@@ -159,9 +92,9 @@ impl Tube {
         let [contact, shock] =
             [waves.contact(), waves.right_wave()[0]].map(|speed| 1.0 + speed * time);
         let way = |x: f64| (x - contact) / (shock - contact);
-        // Of the right half; beyond it the box's ends have waves of their own.
+        // Of the right half; the box's end sends a shock of its own back to 1.63.
         let first = self.tilt.places(0.0, self.side, self.tiles).len() as u64;
-        let gas = || (end.gas.iter().zip(drags)).filter(|(p, _)| p.id >= first && p.x.x < 1.7);
+        let gas = || (end.gas.iter().zip(drags)).filter(|(p, _)| p.id >= first && p.x.x < FAR);
         let points: Vec<[f64; 2]> = gas()
             .filter(|(p, _)| way(p.x.x) > 0.5)
             .map(|(p, _)| [p.x.x, p.v.x / behind.v])
@@ -179,11 +112,15 @@ impl Tube {
             .filter(|(p, _)| (0.25..0.75).contains(&way(p.x.x)))
             .map(|(p, _)| p)
             .collect();
-        let number = plateau.len() as f64;
-        let mean = |of: Quantity| plateau.iter().map(|p| of(p)).sum::<f64>() / number;
-        let v = mean(|p| p.v.x);
-        let [before, exact] = [waves.right, behind].map(|state| entropy(state.p, state.rho));
-        let after = mean(|p| entropy(p.p, p.rho));
+        let calm: Vec<&super::State> = gas()
+            .filter(|(p, _)| p.x.x > front.place + 3.0 * front.width())
+            .map(|(p, _)| p)
+            .collect();
+        let v = mean(&plateau, |p| p.v.x);
+        let exact = entropy(behind.p, behind.rho) / entropy(waves.right.p, waves.right.rho);
+        // By that of the gas ahead: sums over a lattice have a density of their own.
+        let [after, before] = [&plateau, &calm].map(|gas| mean(gas, |p| entropy(p.p, p.rho)));
+        let rise = after / before;
         let net: Vec3 = end
             .gas
             .iter()
@@ -192,14 +129,18 @@ impl Tube {
             .sum();
         Seen {
             width: front.width() / d,
-            jump: (after - before) / (exact - before),
-            entropy: after / exact - 1.0,
+            jump: (rise - 1.0) / (exact - 1.0),
+            entropy: rise / exact - 1.0,
             across: viscous(1) / viscous(0),
             noise_along: rms(plateau.iter().map(|p| p.v.x - v)) / behind.v,
             noise_across: rms(plateau.iter().map(|p| p.v.y)) / behind.v,
             net: net.norm() / end.gas.iter().map(|p| p.m * p.a.norm()).sum::<f64>(),
         }
     }
+}
+
+fn mean(gas: &[&super::State], of: Quantity) -> f64 {
+    gas.iter().map(|p| of(p)).sum::<f64>() / gas.len() as f64
 }
 
 fn entropy(p: f64, rho: f64) -> f64 {
