@@ -45,8 +45,8 @@ const COOLING_TIMES: f64 = 20.0;
 /// How nearly a disk is to balance its cooling by then: it is not quite steady.
 const BALANCE: Bar = Bar::Reference {
     value: 1.0,
-    good: 0.1,
-    acceptable: 0.3,
+    good: 0.075,
+    acceptable: 0.15,
 };
 /// Stops an orbit.
 const STOPS: usize = 10;
