@@ -214,7 +214,7 @@ pub const PROBLEMS: &[Problem] = &[
     ),
     own(
         "gammie-boundary",
-        "the same disks at beta = 4 to 10, for 20 cooling times or until they break: alpha by its sources; about 10 minutes",
+        "the same disks at beta = 5 to 10, for 20 cooling times or until they break: alpha by its sources; about 10 minutes",
         gammie::boundary,
     ),
     own(

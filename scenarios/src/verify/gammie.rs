@@ -40,7 +40,7 @@ const SIZE: f64 = 0.03;
 /// Orbits at R = 1, by beta.
 const CASES: [(f64, f64); 4] = [(2.0, 6.0), (3.0, 6.0), (10.0, 8.0), (30.0, 12.0)];
 /// beta about the boundary, and how many cooling times they are followed for.
-const BOUNDARY: [f64; 4] = [4.0, 5.0, 7.0, 10.0];
+const BOUNDARY: [f64; 4] = [5.0, 6.0, 7.0, 10.0];
 const COOLING_TIMES: f64 = 20.0;
 /// How nearly a disk is to balance its cooling by then: it is not quite steady.
 const BALANCE: Bar = Bar::Reference {
