@@ -6,6 +6,7 @@ mod coupled {
     mod box_bodies;
     mod conservation;
     mod economy;
+    mod plane;
     mod reproducible;
     mod splitting;
     mod temperature;

@@ -134,11 +134,11 @@ fn method(scene: &Scene) -> Option<String> {
     };
     let edge = match gas.edge {
         Some(edge) => {
-            let rotation = match scene.gravity.fluids_pull_gas() {
+            let rotation = match scene.gravity.fluids_pull_gas() || gas.disk.is_none() {
                 true => " but for the rotation",
                 false => "",
             };
-            let damped = match (edge.inner_radius, edge.outer_radius) {
+            let damped = match (edge.inner, edge.outer) {
                 (None, None) => String::new(),
                 _ => format!(", edges damped in {} / Omega{rotation}", edge.time),
             };

@@ -202,24 +202,19 @@ fn disk_of(scene: &Scene, gas: &scene::Gas, disk: &scene::Disk) -> Disk {
     made
 }
 
-/// The zones that damp waves at the edges of the scene's disk; none if it has none.
+/// The zones that damp waves at the edges of the scene's gas; none if it has none.
 pub fn edges(scene: &Scene, gas: &scene::Gas) -> Option<Edges> {
-    let (edge, disk) = (gas.edge?, gas.disk?);
-    let zone = |begin: Option<f64>, whole: f64| begin.map(|begin| Zone { begin, whole });
-    let zones = [
-        zone(edge.inner_radius, disk.inner_radius),
-        zone(edge.outer_radius, disk.outer_radius),
-    ];
-    let made = disk_of(scene, gas, &disk);
-    // The disk's rotation is that about the star alone.
-    let balance: Option<Balance> = match scene.gravity.fluids_pull_gas() {
-        true => None,
-        false => Some(Box::new(move |x| made.rotation(x, 0.0))),
-    };
-    let zones: Vec<Zone> = zones.into_iter().flatten().collect();
+    let edge = gas.edge?;
+    let zones: Vec<Zone> = [edge.inner, edge.outer].into_iter().flatten().collect();
     if zones.is_empty() {
         return None;
     }
+    // The rotation that a generated disk has is that about the star alone.
+    let alone = gas.disk.filter(|_| !scene.gravity.fluids_pull_gas());
+    let balance = alone.map(|disk| -> Balance {
+        let made = disk_of(scene, gas, &disk);
+        Box::new(move |x| made.rotation(x, 0.0))
+    });
     Some(Edges::new(zones, edge.time, balance))
 }
 

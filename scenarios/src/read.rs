@@ -4,6 +4,7 @@ mod bodies;
 pub mod composition;
 mod cooling;
 pub mod dust;
+mod edge;
 mod eos;
 mod frame;
 pub mod gas;

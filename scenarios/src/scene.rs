@@ -3,6 +3,7 @@
 //! All numbers are in code units of `units` (angles in radians), except wall-clock times, which are in seconds. A population that is
 //! not modelled is `None` here and nowhere else. Made by `Scene::load` or `Scene::parse`; trusted by everything that follows.
 
+use coupling::edge::Zone;
 use gas::rearrangement::Order;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -108,7 +109,7 @@ pub struct Gas {
     /// None of what is no gas.
     pub mean_molecular_weight: Option<f64>,
     pub cooling: Cooling,
-    /// Zones that damp waves; those of a generated disk alone.
+    /// Zones that damp waves.
     pub edge: Option<Edge>,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
@@ -258,11 +259,11 @@ pub struct Temperature {
     pub reference_radius: f64,
 }
 
-/// Where zones at a disk's edges begin that damp waves, whole at the disk's own radii; and what holds the inner edge.
+/// Zones at a disk's edges that damp waves, and what holds the inner edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
-    pub inner_radius: Option<f64>,
-    pub outer_radius: Option<f64>,
+    pub inner: Option<Zone>,
+    pub outer: Option<Zone>,
     /// Of the damping, in 1/Omega.
     pub time: f64,
     /// Whether gas at the accretion radius feels the pressure of what the star has accreted.

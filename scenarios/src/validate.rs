@@ -5,6 +5,7 @@
 mod composition;
 mod frame;
 mod growth;
+mod plane;
 
 use crate::document::{Entries, Node, Place, Value};
 use crate::reader::Door;
@@ -69,7 +70,7 @@ pub const MOST_STEPS: f64 = 1e12;
 pub fn rules(scene: &Scene, complaints: &Complaints<'_>) {
     something_to_model(scene, complaints);
     steps(scene, complaints);
-    dimensions(scene, complaints);
+    plane::rules(scene, complaints);
     if let Some(gas) = &scene.gas {
         gas_rules(scene, gas, complaints);
     }
@@ -140,26 +141,6 @@ fn steps(scene: &Scene, complaints: &Complaints<'_>) {
             let sentence = format!("makes more than {MOST_STEPS:e} steps to run.end_time");
             complaints.say(path, &sentence);
         }
-    }
-}
-
-fn dimensions(scene: &Scene, complaints: &Complaints<'_>) {
-    if scene.domain.dimensions() == 3 {
-        return;
-    }
-    for table in ["planetesimals", "planet"] {
-        if named(complaints.entries, table).is_some() {
-            complaints.say(
-                table,
-                "cannot be modelled in two dimensions, where only gas and dust are",
-            );
-        }
-    }
-    if scene.gas.as_ref().is_some_and(|gas| gas.disk.is_some()) {
-        complaints.say(
-            "gas.disk",
-            "needs three dimensions; in two give [[gas.block]] or an initial.file",
-        );
     }
 }
 
@@ -367,9 +348,6 @@ fn body_rules(scene: &Scene, bodies: &Planetesimals, complaints: &Complaints<'_>
     }
     if let Coordinates::Jacobi(_) = bodies.coordinates {
         jacobi_rules(scene, bodies, complaints);
-    }
-    if scene.domain.dimensions() == 2 {
-        return;
     }
     let sizeless = bodies.number > 0 && bodies.density == 0.0;
     if sizeless && bodies.drag == BodyDrag::Adachi {

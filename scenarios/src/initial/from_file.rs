@@ -72,6 +72,9 @@ pub fn read(path: &Path, scene: &Scene) -> Result<Start, Refusal> {
         followed(rows).map_err(refuse)?;
         match rows.part_type {
             0 => start.gas = gas(rows, scene).map_err(refuse)?,
+            1 if scene.domain.dimensions() == 2 => {
+                return Err(refuse("planetesimals need three dimensions".into()));
+            }
             1 => start.bodies = bodies(rows, Kind::Planetesimal),
             2 => start.dust = dust(rows, scene).map_err(refuse)?,
             _ if rows.len() > 1 => return Err(refuse("a scene has one star".into())),

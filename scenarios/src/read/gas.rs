@@ -7,11 +7,12 @@ use gas::{BackgroundPressure, KernelKind};
 
 use super::Facts;
 use super::cooling::cooling;
+use super::edge::edge;
 use super::eos::{eos, reference_radius};
 use crate::reader::{Range, Section};
 use crate::scene::{
-    Block, Disk, DiskAmount, Edge, Eos, Formulation, Gas, GasBlock, Gradient, Hydro, Lattice,
-    Physical, Precision, Softening, Thermal, Viscosity,
+    Block, Disk, DiskAmount, Eos, Formulation, Gas, GasBlock, Gradient, Hydro, Lattice, Physical,
+    Precision, Softening, Thermal, Viscosity,
 };
 use crate::units::Kind;
 
@@ -44,7 +45,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         eos,
         mean_molecular_weight,
         cooling,
-        edge: edge(&section, disk.as_ref()),
+        edge: edge(&section, facts, disk.as_ref()),
         hydro: hydro(&section, facts),
         viscosity,
         physical,
@@ -244,51 +245,6 @@ pub fn block(section: &Section<'_>, facts: &Facts) -> Block {
         density: section.required("density", density, facts.density().example(), f64::NAN),
         velocity: velocity.unwrap_or_else(Vec3::zeros),
     }
-}
-
-/// The zones at the edges of a disk, and what holds the inner one.
-fn edge(gas: &Section<'_>, disk: Option<&Disk>) -> Option<Edge> {
-    let section = gas.section("edge");
-    if !section.present {
-        return None;
-    }
-    if !gas.has("disk") {
-        section.wrong("", "needs [gas.disk], whose edges they are");
-    }
-    let inner_radius = section.quantity("inner_radius", Kind::LENGTH, Range::POSITIVE);
-    let outer_radius = section.quantity("outer_radius", Kind::LENGTH, Range::POSITIVE);
-    let inner = section.choice("inner", &[("open", false), ("supported", true)], &[]);
-    if !["inner_radius", "outer_radius", "inner"]
-        .iter()
-        .any(|key| section.has(key))
-    {
-        section.wrong("", "needs inner_radius, outer_radius or inner");
-    }
-    if let Some(disk) = disk {
-        let inside = |radius: f64| disk.inner_radius >= radius || radius >= disk.outer_radius;
-        for (key, radius) in [
-            ("inner_radius", inner_radius),
-            ("outer_radius", outer_radius),
-        ] {
-            if radius.is_some_and(inside) {
-                let sentence = "must lie between the inner and the outer radius of gas.disk";
-                section.wrong(key, sentence);
-            }
-        }
-    }
-    if let (Some(inner), Some(outer)) = (inner_radius, outer_radius)
-        && inner >= outer
-    {
-        section.wrong("inner_radius", "must be less than outer_radius");
-    }
-    let edge = Edge {
-        inner_radius,
-        outer_radius,
-        time: section.number("time", Range::POSITIVE).unwrap_or(1.0),
-        supported: inner == Some(true),
-    };
-    section.close();
-    Some(edge)
 }
 
 fn hydro(gas: &Section<'_>, facts: &Facts) -> Hydro {

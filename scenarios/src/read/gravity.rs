@@ -132,7 +132,7 @@ fn opening(section: &Section<'_>, facts: &Facts) -> Opening {
     }
 }
 
-/// A source without a list pulls all that the scene has; in two dimensions the star alone, and gas by a list: a razor-thin sheet in space.
+/// A source without a list pulls all that the scene has; in two dimensions star and planets alone, and gas by a list: a razor-thin sheet in space.
 fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
     let table = section.section("pulls");
     let planar = scene.domain.dimensions() == 2;
@@ -140,7 +140,8 @@ fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
     for (name, source) in MASSES {
         let listed = table.choices(name, &MASSES);
         let sheet = source == Mass::Gas && listed.is_some();
-        let may = scene.has(source) && (!planar || sheet || source == Mass::Star);
+        let point = matches!(source, Mass::Star | Mass::Planets);
+        let may = scene.has(source) && (!planar || sheet || point);
         if listed.as_ref().is_some_and(|targets| !targets.is_empty()) {
             if method == GravityMethod::None {
                 table.wrong(name, "has no place beside gravity.method = \"none\"");
@@ -149,7 +150,7 @@ fn pulls(section: &Section<'_>, scene: &Scene, method: GravityMethod) -> Pulls {
             } else if !may {
                 table.wrong(
                     name,
-                    "cannot pull in two dimensions, where star and gas alone may",
+                    "cannot pull in two dimensions, where star, planets and gas alone may",
                 );
             }
         }

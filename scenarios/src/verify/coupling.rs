@@ -2,6 +2,7 @@
 
 mod decay;
 mod friction;
+mod torque;
 
 use super::{Problem, own};
 
@@ -15,5 +16,10 @@ pub const PROBLEMS: &[Problem] = &[
         "coupling-friction",
         "dynamical friction of a planet in uniform gas, at four Mach numbers (Ostriker 1999); about 7 minutes",
         friction::rows,
+    ),
+    own(
+        "coupling-torque",
+        "type-I torque on a planet of low mass in a disk in the plane (Tanaka et al. 2002; Paardekooper et al. 2010); about 5 minutes",
+        torque::rows,
     ),
 ];

@@ -33,12 +33,13 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     write_cooling(text, &gas.cooling);
     if let Some(edge) = &gas.edge {
         text.table("gas.edge");
-        for (key, radius) in [
-            ("inner_radius", edge.inner_radius),
-            ("outer_radius", edge.outer_radius),
+        for (keys, zone) in [
+            (["inner_radius", "inner_end"], edge.inner),
+            (["outer_radius", "outer_end"], edge.outer),
         ] {
-            if let Some(radius) = radius {
-                text.number(key, radius);
+            if let Some(zone) = zone {
+                text.number(keys[0], zone.begin);
+                text.number(keys[1], zone.whole);
             }
         }
         text.number("time", edge.time);
