@@ -1,9 +1,9 @@
 //! Type-I torque: what the density waves that a planet of low mass raises in a disk do to the planet on its circular orbit.
 //!
-//!     Gamma_0 = (q/h)^2 Sigma a^4 Omega^2,   Sigma ~ R^-p,   c^2 ~ R^-t,   h = c / (a Omega),   q = m / M
+//! Gamma_0 = (q/h)^2 Sigma a^4 Omega^2,   Sigma ~ R^-p,   c^2 ~ R^-t,   h = c / (a Omega),   q = m / M
 //! In space, for gas of one temperature, Gamma = -(1.364 + 0.541 p) Gamma_0 (Tanaka et al. 2002). In the plane, pulls softened as those of a Plummer
 //! sphere of scale b H, gas of given temperatures (Paardekooper et al. 2010, gamma = 1), with s = 0.4 / b:
-//!     Gamma / Gamma_0 = (-2.5 - 1.7 t + 0.1 p) s^0.71 + 1.1 (3/2 - p) s + t (2.2 s^0.71 - 1.4 s^1.26)
+//! Gamma / Gamma_0 = (-2.5 - 1.7 t + 0.1 p) s^0.71 + 1.1 (3/2 - p) s + t (2.2 s^0.71 - 1.4 s^1.26)
 //! by waves, by gas on horseshoe orbits, and by the gradient of temperature near them. With b = 0.45 both agree for p = 3/2, t = 0, where nothing else than
 //! waves acts: there is no gradient of vorticity by surface density for horseshoe orbits to carry.
 //! Gas of h = 0.1 in the plane from 0.4 to 2.4 of the orbit's radius, on rings in balance, with zones that damp waves; q = 0.3 h^3, so that the waves are
