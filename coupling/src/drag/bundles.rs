@@ -44,8 +44,8 @@ impl Bundles {
     /// Appends the lanes `served` of a bundle as rows from `row` on.
     pub fn add(&mut self, bundle: &Bundle, row: usize, served: u8) {
         let start = self.slot.len();
-        self.slot.extend_from_slice(&bundle.index);
-        self.weight.extend_from_slice(&bundle.weight);
+        self.slot.extend_from_slice(bundle.index());
+        self.weight.extend_from_slice(bundle.weight());
         let end = self.slot.len();
         self.lots.push(Lot {
             row,

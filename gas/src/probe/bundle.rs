@@ -10,7 +10,7 @@ use nbody::points::{Domain, Vec3};
 
 use super::Reach;
 use super::candidates::Candidates;
-use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff};
+use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff, hold};
 use super::weights::MOST_ABSOLUTE;
 use tilt::{Moments, Tilt, dot};
 
@@ -23,22 +23,29 @@ const TRIES: usize = 4;
 /// A number for each point.
 pub type Lanes = [f64; LANES];
 
-/// The weights of points that share their gas.
+/// The weights of points that share their gas. The columns only grow: what counts of them is said beside.
 #[derive(Clone, Debug, Default)]
 pub struct Bundle {
-    /// gas particle of each row of weights
-    pub index: Vec<u32>,
-    /// a row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served
-    pub weight: Vec<Lanes>,
     /// smoothing length
     pub h: Lanes,
     /// density of the gas
     pub rho: Lanes,
-    /// places among the candidates
-    place: Vec<u32>,
-    distance: Vec<Lanes>,
+    rows: usize,
+    index: Vec<u32>,
+    weight: Vec<Lanes>,
     /// coordinates of the rows
     row: Vec<[f64; 3]>,
+    near: usize,
+    /// places among the candidates, and distances, of those that are near
+    place: Vec<u32>,
+    distance: Vec<Lanes>,
+}
+
+/// Makes a column at least as long as `n`.
+fn grow<T: Copy + Default>(column: &mut Vec<T>, n: usize) {
+    if column.len() < n {
+        column.resize(n, T::default());
+    }
 }
 
 #[inline(always)]
@@ -47,6 +54,16 @@ fn lanes<S: Simd>(simd: S, values: &Lanes) -> f64x8<S> {
 }
 
 impl Bundle {
+    /// Gas particle of each row of weights.
+    pub fn index(&self) -> &[u32] {
+        &self.index[..self.rows]
+    }
+
+    /// A row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served.
+    pub fn weight(&self) -> &[Lanes] {
+        &self.weight[..self.rows]
+    }
+
     /// Weights of the `points` (place, last smoothing length) from candidates that are complete within `available` of each. The lanes of those
     /// served are set in the answer; none are if together they would have more than `most` gas particles.
     pub fn fit(
@@ -71,8 +88,7 @@ impl Bundle {
         (reach, most): (&Reach, usize),
     ) -> u8 {
         let kernel = Kernel::new(domain);
-        self.index.clear();
-        self.weight.clear();
+        self.rows = 0;
         let (mut x, mut start) = ([[0.0; LANES]; 3], [0.0; LANES]);
         for lane in 0..LANES {
             // Lanes to spare repeat the last point.
@@ -116,10 +132,7 @@ impl Bundle {
             let ends = (f64::INFINITY, f64::NEG_INFINITY);
             x.iter().fold(ends, |(lo, hi), &x| (lo.min(x), hi.max(x)))
         });
-        let room = candidates.x.len() + LANES;
-        if self.place.len() < room {
-            self.place.resize(room, 0);
-        }
+        grow(&mut self.place, candidates.x.len() + LANES);
         let mut near = 0;
         let [xs, ys, zs] = columns;
         for (c, ((x, y), z)) in xs.iter().zip(ys).zip(zs).enumerate() {
@@ -137,14 +150,14 @@ impl Bundle {
             }
             near += inside.count_ones() as usize;
         }
-        self.place.truncate(near);
+        self.near = near;
         (1..=most).contains(&near)
     }
 
     #[inline(always)]
     fn distances<S: Simd>(&mut self, candidates: &Candidates, x: &[f64x8<S>; 3]) {
-        self.distance.resize(self.place.len(), [0.0; LANES]);
-        for (distance, &k) in self.distance.iter_mut().zip(&self.place) {
+        grow(&mut self.distance, self.near);
+        for (distance, &k) in self.distance.iter_mut().zip(&self.place[..self.near]) {
             let [px, py, pz] = candidates.place(k as usize);
             let r = [x[0] - px, x[1] - py, x[2] - pz];
             dot(&r, &r).sqrt().store_slice(distance);
@@ -165,7 +178,7 @@ impl Bundle {
             let inverse = f64x8::splat(simd, 1.0) / radius;
             let none = f64x8::splat(simd, 0.0);
             let (mut value, mut slope) = (none, none);
-            for distance in &self.distance {
+            for distance in &self.distance[..self.near] {
                 let q = lanes(simd, distance) * inverse;
                 let t = (-q + 1.0).max(0.0);
                 let t3 = t * t * t;
@@ -186,7 +199,7 @@ impl Bundle {
         (radius, found as u8)
     }
 
-    /// Lists the gas that is inside of any kernel, with W V / W(0) as weights.
+    /// Sums the density, and lists the gas that is inside of any point's kernel, with K V as weights.
     #[inline(always)]
     fn weigh<S: Simd>(
         &mut self,
@@ -196,24 +209,53 @@ impl Bundle {
         x: &[f64x8<S>; 3],
         radius: f64x8<S>,
     ) -> Moments<S> {
+        grow(&mut self.index, self.near);
+        grow(&mut self.weight, self.near);
+        grow(&mut self.row, self.near);
+        let none = f64x8::splat(simd, 0.0);
+        let inverse = f64x8::splat(simd, 1.0) / radius;
+        let (mut n, mut mass) = (0, none);
+        for (distance, k) in self.distance[..self.near].iter().zip(0..) {
+            let place = self.place[k];
+            let q = lanes(simd, distance) * inverse;
+            mass = falloff(q).mul_add(candidates.mass(place as usize), mass);
+            let s = q * (1.0 / kernel.near);
+            // Written always, kept when inside: no branch to mispredict.
+            let s2 = s * s;
+            hold(s2).store_slice(&mut self.weight[n]);
+            self.place[n] = place;
+            n += usize::from(s2.simd_lt(1.0).to_bitmask() != 0);
+        }
+        self.rows = n;
+        let (mut rho, mut r) = ([0.0; LANES], [0.0; LANES]);
+        mass.store_slice(&mut rho);
+        radius.store_slice(&mut r);
+        for (rho, r) in rho.iter_mut().zip(r) {
+            *rho *= kernel.peak(r);
+        }
+        self.rho = rho;
+        self.moments(simd, candidates, x)
+    }
+
+    /// Multiplies the kernels of the rows by the volumes, and sums them.
+    #[inline(always)]
+    fn moments<S: Simd>(
+        &mut self,
+        simd: S,
+        candidates: &Candidates,
+        x: &[f64x8<S>; 3],
+    ) -> Moments<S> {
         let none = f64x8::splat(simd, 0.0);
         let mut sums = Moments {
             zeroth: none,
             first: [none; 3],
             second: [none; 6],
         };
-        let count = self.place.len();
-        self.index.resize(count, 0);
-        self.weight.resize(count, [0.0; LANES]);
-        self.row.resize(count, [0.0; 3]);
-        let inverse = f64x8::splat(simd, 1.0) / radius;
-        let (mut n, mut mass) = (0, none);
-        for (distance, &k) in self.distance.iter().zip(&self.place) {
+        let rows = self.weight.iter_mut().zip(&mut self.index);
+        let rows = rows.zip(&mut self.row).zip(&self.place[..self.rows]);
+        for (((weight, index), row), &k) in rows {
             let near = candidates.at(k as usize);
-            let q = lanes(simd, distance) * inverse;
-            let fall = falloff(q);
-            let w = fall * near.volume;
-            mass = fall.mul_add(near.m, mass);
+            let w = lanes(simd, weight) * near.volume;
             let r = [-x[0] + near.x, -x[1] + near.y, -x[2] + near.z];
             let wr = [w * r[0], w * r[1], w * r[2]];
             sums.zeroth += w;
@@ -224,23 +266,9 @@ impl Bundle {
             for (pair, (a, b)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
                 sums.second[3 + pair] = wr[a].mul_add(r[b], sums.second[3 + pair]);
             }
-            // Written always, kept when inside: no branch to mispredict.
-            w.store_slice(&mut self.weight[n]);
-            self.index[n] = near.index;
-            self.row[n] = [near.x, near.y, near.z];
-            n += usize::from(q.simd_lt(1.0).to_bitmask() != 0);
+            w.store_slice(weight);
+            (*index, *row) = (near.index, [near.x, near.y, near.z]);
         }
-        self.index.truncate(n);
-        self.weight.truncate(n);
-        self.row.truncate(n);
-        let mut rho = [0.0; LANES];
-        let mut r = [0.0; LANES];
-        mass.store_slice(&mut rho);
-        radius.store_slice(&mut r);
-        for (rho, r) in rho.iter_mut().zip(r) {
-            *rho *= kernel.peak(r);
-        }
-        self.rho = rho;
         sums
     }
 
@@ -249,7 +277,7 @@ impl Bundle {
     fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, served: u8) -> u8 {
         let none = f64x8::splat(simd, 0.0);
         let (mut total, mut absolute) = (none, none);
-        for (weight, row) in self.weight.iter_mut().zip(&self.row) {
+        for (weight, row) in self.weight[..self.rows].iter_mut().zip(&self.row) {
             let [sx, sy, sz] = tilt.slope;
             let factor = sx.mul_add(f64x8::splat(simd, row[0]), tilt.level);
             let factor = sy.mul_add(f64x8::splat(simd, row[1]), factor);
@@ -262,7 +290,7 @@ impl Bundle {
         let kept = served & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
         let mask = mask64x8::from_bitmask(simd, u64::from(kept));
         let norm = f64x8::splat(simd, 1.0) / total;
-        for weight in &mut self.weight {
+        for weight in &mut self.weight[..self.rows] {
             mask.select(lanes(simd, weight) * norm, none)
                 .store_slice(weight);
         }
