@@ -144,7 +144,7 @@ impl Exchange {
         if settings.feedback {
             let blocks = &mut self.blocks[..self.used];
             self.touched.list(blocks, gas);
-            self.touched.sum(blocks, gas);
+            self.touched.sum_loads(blocks, gas);
             self.fresh = true;
         }
     }
@@ -165,7 +165,7 @@ impl Exchange {
             }
         });
         if feedback {
-            self.touched.sum(blocks, gas);
+            self.touched.sum_loads(blocks, gas);
             self.fresh = true;
         }
     }
@@ -186,46 +186,40 @@ impl Exchange {
         let blocks = &mut self.blocks[..self.used];
         let (settings, domain) = (&self.settings, &self.domain);
         let (seen, see) = (&*immersed, &*gas);
-        let (touched, fresh) = (&self.touched, std::mem::take(&mut self.fresh));
+        let fresh = std::mem::take(&mut self.fresh);
+        let loads = fresh.then_some(self.touched.loads.as_slice());
         blocks
             .par_iter_mut()
             .zip(steps.par_chunks(BLOCK))
             .for_each(|(block, steps)| {
-                if fresh {
-                    block.gather_load(touched);
-                }
-                block.relax(see, seen, steps, half, (settings, domain));
-                if settings.feedback {
-                    block.spread_impulse();
-                }
+                block.relax(see, seen, loads, (steps, half), (settings, domain));
             });
-        if settings.feedback {
-            self.touched.sum(blocks, see);
-            let touched = &self.touched;
-            blocks.par_iter_mut().for_each(|block| {
-                block.refine(touched);
-                block.spread_impulse();
-            });
-            self.touched.sum(blocks, see);
-        }
         let mut booking = Booking::default();
+        if settings.feedback {
+            match half {
+                Half::Closing => self.touched.sum_impulses(blocks, see),
+                Half::Opening => self.touched.sum_both(blocks, see),
+            }
+            let sums = &self.touched.sums;
+            blocks
+                .par_iter_mut()
+                .for_each(|block| block.refine(sums));
+            self.touched.sum_impulses(blocks, see);
+        } else {
+            blocks
+                .iter()
+                .for_each(|block| block.give_away(seen, domain, &mut booking));
+        }
         for block in &*blocks {
             block.push(immersed, &mut booking);
         }
         if settings.feedback {
-            let domain = self.domain;
-            let when = (&domain, half, clock);
+            let when = (domain, half, clock);
             self.touched.push(gas, settings, when, &mut booking);
             if half == Half::Opening {
-                blocks.par_iter_mut().for_each(Block::spread_coming);
-                self.touched.sum(blocks, gas);
                 let time = clock.time();
                 (self.touched).expect(gas, blocks, settings.heat_share, time);
             }
-        } else {
-            blocks
-                .iter()
-                .for_each(|block| block.give_away(&mut booking));
         }
         booking
     }
@@ -234,9 +228,11 @@ impl Exchange {
 /// A sum over the pairs of one gas particle: momentum, energy.
 type Parcel = [f64; 4];
 
-fn parcel(p: Vec3, e: f64) -> Parcel {
-    [p.x, p.y, p.z, e]
-}
+/// That of one half of a step and that of the other.
+type Both = [f64; 8];
+
+/// The column of a field that is seen by |w|.
+const ABSOLUTE: usize = 3;
 
 #[cfg(test)]
 mod tests;

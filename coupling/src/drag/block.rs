@@ -13,11 +13,17 @@ use super::group::{Cell, Member, RUN, cut};
 use super::loose::Loose;
 use super::row::{ABREAST, Drive, Row, relax};
 use super::slots::Slots;
-use super::{Booking, Half, Immersed, Parcel, Settings, parcel};
+use super::{ABSOLUTE, Booking, Both, Half, Immersed, Parcel, Settings};
 
-/// Buffers of a thread while it links blocks.
+/// Buffers of a thread while it works on a block.
 #[derive(Default)]
 struct Scratch {
+    /// columns of a field of the slots, and at each row
+    field: Vec<[f64; 8]>,
+    sums: Vec<Parcel>,
+    seen: Vec<[f64; 8]>,
+    /// what rows are to give in the other half of their step
+    coming: Vec<Parcel>,
     members: Vec<Member>,
     cells: Vec<Cell>,
     candidates: Candidates,
@@ -41,14 +47,12 @@ pub struct Block {
     pub gas: Vec<u32>,
     /// place of each slot in the list of touched gas
     pub place: Vec<u32>,
-    /// sums over the pairs of each slot
+    /// Sums over the pairs of each slot: of |w| m, of impulses and heat, and of these with those of the other half of the step.
+    pub loads: Vec<f64>,
     pub partial: Vec<Parcel>,
+    pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
-    /// velocity and acceleration of each slot
-    field: Vec<[f64; 8]>,
-    /// columns of a field, at each row
-    seen: Vec<[f64; 8]>,
 }
 
 /// Three columns from `first` on.
@@ -88,9 +92,9 @@ impl Block {
             slots.number(&mut self.gas);
             self.bundles.name(|j| *j = slots.of(*j));
             self.loose.name(|j| *j = slots.of(*j));
+            self.place.resize(self.gas.len(), 0);
+            self.hear(gas, immersed, domain, scratch);
         });
-        self.place.resize(self.gas.len(), 0);
-        self.hear(gas, immersed, domain);
     }
 
     /// Brings the members into order; those without a smoothing length get one.
@@ -182,17 +186,23 @@ impl Block {
     }
 
     /// Sound speed around each row, and the time to cross its smoothing length, by the velocity relative to a shear.
-    fn hear<I: Immersed>(&mut self, gas: &Gas, immersed: &I, domain: &Domain) {
-        self.field.clear();
-        self.field.extend(self.gas.iter().map(|&j| {
+    fn hear<I: Immersed>(
+        &mut self,
+        gas: &Gas,
+        immersed: &I,
+        domain: &Domain,
+        Scratch { field, seen, .. }: &mut Scratch,
+    ) {
+        field.clear();
+        field.extend(self.gas.iter().map(|&j| {
             let j = j as usize;
             let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
             [v.x, v.y, v.z, isothermal(gas, j), 1.0, 0.0, 0.0, 0.0]
         }));
-        self.seen.resize(self.rows.len(), [0.0; 8]);
-        self.bundles.heard::<5, 8>(&self.field, &mut self.seen);
-        self.loose.heard(&self.field, &mut self.seen);
-        for (row, heard) in self.rows.iter_mut().zip(&self.seen) {
+        empty(seen, self.rows.len(), [0.0; 8]);
+        self.bundles.heard::<5, 8>(field, seen);
+        self.loose.heard(field, seen);
+        for (row, heard) in self.rows.iter_mut().zip(&*seen) {
             // Without neighbours everything is zero, and the time to cross infinite.
             let norm = if heard[4] > 0.0 { heard[4] } else { 1.0 };
             row.c = (heard[3] / norm).sqrt();
@@ -220,113 +230,123 @@ impl Block {
 
     /// Spreads |w| m over the slots.
     pub fn spread_load(&mut self) {
-        self.empty_partial();
+        empty(&mut self.loads, self.gas.len(), 0.0);
         let of = |row: usize| self.rows[row].m * self.rows[row].gain;
-        self.bundles.load(of, &mut self.partial);
-        self.loose.load(of, &mut self.partial);
+        self.bundles.load(of, &mut self.loads);
+        self.loose.load(of, &mut self.loads);
     }
 
-    fn empty_partial(&mut self) {
-        self.partial.clear();
-        self.partial.resize(self.gas.len(), [0.0; 4]);
-    }
-
-    /// Fetches the sums over all blocks.
-    fn fetch(&mut self, touched: &super::Touched) {
-        self.partial.clear();
-        let sums = self.place.iter().map(|&place| touched.sums[place as usize]);
-        self.partial.extend(sums);
-    }
-
-    /// eps of each row, from the loads of the gas.
-    pub fn gather_load(&mut self, touched: &super::Touched) {
-        self.fetch(touched);
-        self.bundles.heard::<1, 4>(&self.partial, &mut self.seen);
-        self.loose.heard(&self.partial, &mut self.seen);
-        for (row, heard) in self.rows.iter_mut().zip(&self.seen) {
-            row.eps = row.gain * heard[0];
-        }
-    }
-
-    /// Each row's change of velocity, as if all gas around it changed by -eps times that.
+    /// Lets each row relax; with feedback, spreads what it gives over the slots. `loads` are those of the touched gas, if they are new.
     pub fn relax<I: Immersed>(
         &mut self,
         gas: &Gas,
         immersed: &I,
-        steps: &[f64],
-        half: Half,
+        loads: Option<&[[f64; 1]]>,
+        (steps, half): (&[f64], Half),
         (settings, domain): (&Settings, &Domain),
     ) {
-        // Relative to a shear, since neighbours may be images.
-        let relative = |x: Vec3, v: Vec3| domain.relative(x, v);
-        let turning = |w: Vec3| {
-            domain
-                .hill()
-                .map_or_else(Vec3::zeros, |hill| hill.turning(w))
-        };
         self.half = steps.iter().sum::<f64>() / steps.len() as f64;
-        self.field.clear();
-        self.field.extend(self.gas.iter().map(|&j| {
+        SCRATCH.with_borrow_mut(|scratch| {
+            self.see(gas, loads, (settings, domain), scratch);
+            self.change(immersed, loads, (steps, half), (settings, domain), scratch);
+            match half {
+                _ if !settings.feedback => {}
+                Half::Closing => self.spread_impulse(),
+                Half::Opening => self.spread_both(&scratch.coming),
+            }
+        });
+    }
+
+    /// Velocity, acceleration and load of the gas around each row.
+    fn see(
+        &mut self,
+        gas: &Gas,
+        loads: Option<&[[f64; 1]]>,
+        (settings, domain): (&Settings, &Domain),
+        Scratch { field, seen, .. }: &mut Scratch,
+    ) {
+        field.clear();
+        field.extend(self.gas.iter().zip(&self.place).map(|(&j, &place)| {
             let j = j as usize;
-            let v = relative(gas.particles.x[j], gas.rates.v_pred[j]);
+            // Relative to a shear, since neighbours may be images.
+            let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
             let a = if settings.joint {
-                gas.acceleration(j) + turning(v)
+                gas.acceleration(j) + turning(domain, v)
             } else {
                 Vec3::zeros()
             };
-            [v.x, v.y, v.z, 0.0, a.x, a.y, a.z, 0.0]
+            let load = loads.map_or(0.0, |loads| loads[place as usize][0]);
+            [v.x, v.y, v.z, load, a.x, a.y, a.z, 0.0]
         }));
-        self.seen.fill([0.0; 8]);
-        self.bundles.seen::<7, 8>(&self.field, &mut self.seen);
-        self.loose.seen(&self.field, &mut self.seen);
-        for (rows, seen) in self.rows.chunks_mut(ABREAST).zip(self.seen.chunks(ABREAST)) {
+        empty(seen, self.rows.len(), [0.0; 8]);
+        self.bundles.seen::<7, 8>(field, seen);
+        self.loose.seen(field, seen);
+    }
+
+    /// Each row's change of velocity, as if all gas around it changed by -eps times that.
+    fn change<I: Immersed>(
+        &mut self,
+        immersed: &I,
+        loads: Option<&[[f64; 1]]>,
+        (steps, half): (&[f64], Half),
+        (settings, domain): (&Settings, &Domain),
+        Scratch { seen, coming, .. }: &mut Scratch,
+    ) {
+        empty(coming, self.rows.len(), [0.0; 4]);
+        let rows = self.rows.chunks_mut(ABREAST).zip(seen.chunks(ABREAST));
+        for ((rows, seen), coming) in rows.zip(coming.chunks_mut(ABREAST)) {
             let mut drive = Drive {
                 step: [0.0; ABREAST],
                 a: [Vec3::zeros(); ABREAST],
             };
             for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
                 let i = row.i as usize;
-                let v = relative(row.x, immersed.velocity(i));
-                row.v_gas = vector(seen, 0);
-                row.u_tick = v - row.v_gas;
+                let v = domain.relative(row.x, immersed.velocity(i));
+                row.u_tick = v - vector(seen, 0);
+                if loads.is_some() {
+                    row.eps = row.gain * seen[ABSOLUTE];
+                }
                 drive.step[lane] = steps[row.place as usize];
                 if let Some(a) = immersed.acceleration(i).filter(|_| settings.joint) {
-                    drive.a[lane] = a + turning(v) - vector(seen, 4);
+                    drive.a[lane] = a + turning(domain, v) - vector(seen, 4);
                 }
             }
-            relax(rows, &settings.law, immersed, &drive, half);
+            relax((rows, coming), &settings.law, immersed, &drive, half);
         }
     }
 
     /// Spreads the reaction to each row's change, and its heat, over the slots.
-    pub fn spread_impulse(&mut self) {
-        self.spread(|row| (-row.m * row.dv, row.heat()));
-    }
-
-    /// Spreads the reaction to what each row expects of the other half of its step.
-    pub fn spread_coming(&mut self) {
-        self.spread(|row| (-row.m * row.coming, row.coming_heat));
-    }
-
-    /// Spreads an impulse and a heat of each row over the slots.
-    fn spread(&mut self, of: impl Fn(&Row) -> (Vec3, f64)) {
-        self.empty_partial();
-        let of = |row: usize| {
-            let (reaction, heat) = of(&self.rows[row]);
-            parcel(reaction, heat)
-        };
+    fn spread_impulse(&mut self) {
+        empty(&mut self.partial, self.gas.len(), [0.0; 4]);
+        let of = |row: usize| self.rows[row].given();
         self.bundles.spread(of, &mut self.partial);
         self.loose.spread(of, &mut self.partial);
     }
 
-    /// Makes up for what the gas did beyond -eps dv.
-    pub fn refine(&mut self, touched: &super::Touched) {
-        self.fetch(touched);
-        self.bundles.seen::<3, 4>(&self.partial, &mut self.seen);
-        self.loose.seen(&self.partial, &mut self.seen);
-        for (row, seen) in self.rows.iter_mut().zip(&self.seen) {
-            row.dv += row.share * (vector(seen, 0) + row.eps * row.dv);
-        }
+    /// Spreads these and what each row is to give in the other half of its step.
+    fn spread_both(&mut self, coming: &[Parcel]) {
+        empty(&mut self.both, self.gas.len(), [0.0; 8]);
+        let of = |row: usize| {
+            let ([a, b, c, d], [e, f, g, h]) = (self.rows[row].given(), coming[row]);
+            [a, b, c, d, e, f, g, h]
+        };
+        self.bundles.spread_both(of, &mut self.both);
+        self.loose.spread_both(of, &mut self.both);
+    }
+
+    /// Makes up for what the gas did beyond -eps dv, and spreads what each row then gives.
+    pub fn refine(&mut self, touched: &[Parcel]) {
+        SCRATCH.with_borrow_mut(|Scratch { sums, seen, .. }| {
+            sums.clear();
+            sums.extend(self.place.iter().map(|&place| touched[place as usize]));
+            empty(seen, self.rows.len(), [0.0; 8]);
+            self.bundles.seen::<3, 4>(sums, seen);
+            self.loose.seen(sums, seen);
+            for (row, seen) in self.rows.iter_mut().zip(&*seen) {
+                row.dv += row.share * (vector(seen, 0) + row.eps * row.dv);
+            }
+        });
+        self.spread_impulse();
     }
 
     /// Gives the members their change of velocity.
@@ -340,7 +360,23 @@ impl Block {
     }
 
     /// Books what a gas that feels no reaction would have got.
-    pub fn give_away(&self, booking: &mut Booking) {
-        self.rows.iter().for_each(|row| row.give_away(booking));
+    pub fn give_away<I: Immersed>(&self, immersed: &I, domain: &Domain, booking: &mut Booking) {
+        for row in &self.rows {
+            let v = domain.relative(row.x, immersed.velocity(row.i as usize));
+            row.give_away(v, booking);
+        }
     }
+}
+
+/// What turns velocities relative to a shear.
+fn turning(domain: &Domain, v: Vec3) -> Vec3 {
+    domain
+        .hill()
+        .map_or_else(Vec3::zeros, |hill| hill.turning(v))
+}
+
+/// Makes a column `n` times the same.
+fn empty<T: Copy>(column: &mut Vec<T>, n: usize, value: T) {
+    column.clear();
+    column.resize(n, value);
 }

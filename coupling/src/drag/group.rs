@@ -6,7 +6,7 @@ use nbody::points::{Domain, Vec3};
 pub const RUN: usize = 8;
 
 /// Most members of a cell.
-const MOST: usize = 128;
+const MOST: usize = 256;
 
 /// Largest extent of a cell by the largest smoothing length of a member.
 const EXTENT: f64 = 3.0;
