@@ -45,7 +45,7 @@ impl Bundles {
     pub fn add(&mut self, bundle: &Bundle, row: usize, served: u8) {
         let start = self.slot.len();
         self.slot.extend_from_slice(bundle.index());
-        self.weight.extend_from_slice(bundle.weight());
+        bundle.append(&mut self.weight);
         let end = self.slot.len();
         self.lots.push(Lot {
             row,

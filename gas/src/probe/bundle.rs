@@ -32,7 +32,11 @@ pub struct Bundle {
     pub rho: Lanes,
     rows: usize,
     index: Vec<u32>,
+    /// weights by their sums
     weight: Vec<Lanes>,
+    /// what brings the sums to one, for the lanes that are served
+    norm: Lanes,
+    served: u8,
     /// coordinates of the rows
     row: Vec<[f64; 3]>,
     near: usize,
@@ -59,9 +63,21 @@ impl Bundle {
         &self.index[..self.rows]
     }
 
-    /// A row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served.
-    pub fn weight(&self) -> &[Lanes] {
-        &self.weight[..self.rows]
+    /// Appends the weights, a row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served.
+    pub fn append(&self, to: &mut Vec<Lanes>) {
+        nbody::widest!(Level::new(), simd => self.append_lanes(simd, to));
+    }
+
+    #[inline(always)]
+    fn append_lanes<S: Simd>(&self, simd: S, to: &mut Vec<Lanes>) {
+        let mask = mask64x8::from_bitmask(simd, u64::from(self.served));
+        let (norm, none) = (lanes(simd, &self.norm), f64x8::splat(simd, 0.0));
+        to.extend(self.weight[..self.rows].iter().map(|weight| {
+            let mut normed = [0.0; LANES];
+            mask.select(lanes(simd, weight) * norm, none)
+                .store_slice(&mut normed);
+            normed
+        }));
     }
 
     /// Weights of the `points` (place, last smoothing length) from candidates that are complete within `available` of each. The lanes of those
@@ -112,8 +128,9 @@ impl Bundle {
         let h = lanes(simd, &self.h);
         let (tilt, regular) = Tilt::of(simd, domain, h, &x, &moments);
         found &= regular;
-        found &= self.apply(simd, &tilt, moments.zeroth, found);
-        found & (0xff >> (LANES - points.len()))
+        found &= 0xff >> (LANES - points.len());
+        self.apply(simd, &tilt, moments.zeroth, found);
+        self.served
     }
 
     /// Lists the candidates within `available` of the box around the points; false if there are more than `most`.
@@ -272,9 +289,9 @@ impl Bundle {
         sums
     }
 
-    /// Tilts the weights of the lanes `served` and brings their sums to one; the others become zero, and those whose weights are too negative.
+    /// Tilts the weights of the lanes `found`, and keeps those whose weights are not too negative.
     #[inline(always)]
-    fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, served: u8) -> u8 {
+    fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, found: u8) {
         let none = f64x8::splat(simd, 0.0);
         let (mut total, mut absolute) = (none, none);
         for (weight, row) in self.weight[..self.rows].iter_mut().zip(&self.row) {
@@ -287,14 +304,8 @@ impl Bundle {
             total += w;
             absolute += w.abs();
         }
-        let kept = served & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
-        let mask = mask64x8::from_bitmask(simd, u64::from(kept));
-        let norm = f64x8::splat(simd, 1.0) / total;
-        for weight in &mut self.weight[..self.rows] {
-            mask.select(lanes(simd, weight) * norm, none)
-                .store_slice(weight);
-        }
-        kept
+        self.served = found & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
+        (f64x8::splat(simd, 1.0) / total).store_slice(&mut self.norm);
     }
 }
 

@@ -143,6 +143,9 @@ impl Weights {
         let count = self.weigh(simd, candidates, kernel, x, radius);
         if count > 0 {
             self.correct(simd, domain);
+        } else {
+            // What is near the edge of the larger kernel alone is no gas.
+            self.rho = 0.0;
         }
         let count = if self.shape == Shape::Empty { 0 } else { count };
         self.index.truncate(count);
