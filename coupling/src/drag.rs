@@ -138,8 +138,8 @@ impl Exchange {
                     block.spread_load();
                 }
             });
-        for block in &self.blocks[..self.used] {
-            block.keep_smoothing(immersed);
+        for (block, members) in self.blocks[..self.used].iter().zip(active.chunks(BLOCK)) {
+            block.keep_smoothing(immersed, members);
         }
         if settings.feedback {
             let blocks = &mut self.blocks[..self.used];
@@ -188,13 +188,17 @@ impl Exchange {
         let (seen, see) = (&*immersed, &*gas);
         let fresh = std::mem::take(&mut self.fresh);
         let loads = fresh.then_some(self.touched.loads.as_slice());
+        let active = &self.active;
         blocks
             .par_iter_mut()
-            .zip(steps.par_chunks(BLOCK))
-            .for_each(|(block, steps)| {
+            .zip(active.par_chunks(BLOCK).zip(steps.par_chunks(BLOCK)))
+            .for_each(|(block, (members, steps))| {
+                let seen = (seen, members);
                 block.relax(see, seen, loads, (steps, half), (settings, domain));
+                if !settings.feedback {
+                    block.settle(seen, (settings, domain));
+                }
             });
-        let mut booking = Booking::default();
         if settings.feedback {
             match half {
                 Half::Closing => self.touched.sum_impulses(blocks, see),
@@ -203,15 +207,17 @@ impl Exchange {
             let sums = &self.touched.sums;
             blocks
                 .par_iter_mut()
-                .for_each(|block| block.refine(sums));
+                .zip(active.par_chunks(BLOCK))
+                .for_each(|(block, members)| {
+                    block.refine(sums);
+                    block.settle((seen, members), (settings, domain));
+                });
             self.touched.sum_impulses(blocks, see);
-        } else {
-            blocks
-                .iter()
-                .for_each(|block| block.give_away(seen, domain, &mut booking));
         }
-        for block in &*blocks {
-            block.push(immersed, &mut booking);
+        let mut booking = Booking::default();
+        for (block, members) in blocks.iter().zip(active.chunks(BLOCK)) {
+            booking += block.booking;
+            block.push(immersed, members);
         }
         if settings.feedback {
             let when = (domain, half, clock);

@@ -11,9 +11,9 @@ use nbody::points::{Domain, Vec3};
 use super::bundles::Bundles;
 use super::group::{Cell, Member, RUN, cut};
 use super::loose::Loose;
-use super::row::{ABREAST, Drive, Row, relax};
+use super::row::{ABREAST, Drive, Outcome, Row, relax};
 use super::slots::Slots;
-use super::{ABSOLUTE, Booking, Both, Half, Immersed, Parcel, Settings};
+use super::{ABSOLUTE, Booking, Both, Half, Immersed, Parcel, Settings, StoppingLaw};
 
 /// Buffers of a thread while it works on a block.
 #[derive(Default)]
@@ -24,7 +24,13 @@ struct Scratch {
     seen: Vec<[f64; 8]>,
     /// what rows are to give in the other half of their step
     coming: Vec<Parcel>,
+    /// velocities, relative to a shear or not, and accelerations of the members by place
+    motion: Vec<(Vec3, Option<Vec3>)>,
+    /// Where members are relative to.
+    origin: Vec3,
     members: Vec<Member>,
+    /// smoothing lengths of the members by place
+    lengths: Vec<f64>,
     cells: Vec<Cell>,
     candidates: Candidates,
     /// of a member that finds too little in the cell's
@@ -53,6 +59,11 @@ pub struct Block {
     pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
+    /// by place: smoothing length of the gas around and the time to cross it, and what the exchange did
+    around: Vec<[f64; 2]>,
+    outcome: Vec<Outcome>,
+    /// what the exchange moved
+    pub booking: Booking,
 }
 
 /// Three columns from `first` on.
@@ -109,6 +120,9 @@ impl Block {
         self.bundles.clear();
         self.loose.clear();
         scratch.members.clear();
+        scratch.lengths.clear();
+        let first = members.first().map(|&i| immersed.position(i as usize));
+        scratch.origin = first.unwrap_or_default();
         for (&i, place) in members.iter().zip(0..) {
             let (x, mut h) = (
                 immersed.position(i as usize),
@@ -119,10 +133,14 @@ impl Block {
                 weights.find(&mut scratch.own, gas, domain, (x, h), reach);
                 h = weights.h;
             }
-            scratch.members.push(Member { x, h, place });
+            let x: [f64; 3] = (x - scratch.origin).into();
+            let x = x.map(|x| x as f32);
+            scratch.members.push(Member { x, place });
+            scratch.lengths.push(h);
         }
         scratch.cells.clear();
-        cut(&mut scratch.members, 0, domain, &mut scratch.cells);
+        let (h, cells) = (&scratch.lengths, &mut scratch.cells);
+        cut(&mut scratch.members, 0, (h, domain), cells);
         self.rows.clear();
         self.rows.extend(scratch.members.iter().map(|member| {
             let i = members[member.place as usize];
@@ -130,8 +148,8 @@ impl Block {
                 place: member.place,
                 i,
                 m: immersed.mass(i as usize),
-                x: member.x,
-                h: member.h,
+                x: immersed.position(i as usize),
+                h: scratch.lengths[member.place as usize],
                 ..Row::default()
             }
         }));
@@ -152,7 +170,8 @@ impl Block {
             own,
             ..
         } = scratch;
-        candidates.gather(gas, domain, cell.lo, cell.hi, available);
+        let (lo, hi) = (cell.lo + scratch.origin, cell.hi + scratch.origin);
+        candidates.gather(gas, domain, lo, hi, available);
         for first in (cell.first..cell.end).step_by(RUN) {
             let count = RUN.min(cell.end - first);
             let mut points = [(Vec3::zeros(), 0.0); RUN];
@@ -200,6 +219,7 @@ impl Block {
             [v.x, v.y, v.z, isothermal(gas, j), 1.0, 0.0, 0.0, 0.0]
         }));
         empty(seen, self.rows.len(), [0.0; 8]);
+        self.around.resize(self.rows.len(), [0.0; 2]);
         self.bundles.heard::<5, 8>(field, seen);
         self.loose.heard(field, seen);
         for (row, heard) in self.rows.iter_mut().zip(&*seen) {
@@ -212,12 +232,13 @@ impl Block {
                 Shape::Empty => f64::INFINITY,
                 _ => row.h / (row.c + u.norm()),
             };
+            self.around[row.place as usize] = [row.h, row.crossing];
         }
     }
 
-    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I) {
-        for row in &self.rows {
-            immersed.keep_smoothing(row.i as usize, row.h, row.crossing);
+    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
+        for (&i, &[h, crossing]) in members.iter().zip(&self.around) {
+            immersed.keep_smoothing(i as usize, h, crossing);
         }
     }
 
@@ -240,7 +261,7 @@ impl Block {
     pub fn relax<I: Immersed>(
         &mut self,
         gas: &Gas,
-        immersed: &I,
+        (immersed, members): (&I, &[u32]),
         loads: Option<&[[f64; 1]]>,
         (steps, half): (&[f64], Half),
         (settings, domain): (&Settings, &Domain),
@@ -248,7 +269,16 @@ impl Block {
         self.half = steps.iter().sum::<f64>() / steps.len() as f64;
         SCRATCH.with_borrow_mut(|scratch| {
             self.see(gas, loads, (settings, domain), scratch);
-            self.change(immersed, loads, (steps, half), (settings, domain), scratch);
+            let joint = settings.joint;
+            scratch.motion.clear();
+            // In the order of memory.
+            scratch.motion.extend(members.iter().map(|&i| {
+                let i = i as usize;
+                let v = domain.relative(immersed.position(i), immersed.velocity(i));
+                let a = immersed.acceleration(i).filter(|_| joint);
+                (v, a.map(|a| a + turning(domain, v)))
+            }));
+            self.change(immersed, loads.is_some(), (steps, half), &settings.law, scratch);
             match half {
                 _ if !settings.feedback => {}
                 Half::Closing => self.spread_impulse(),
@@ -283,14 +313,19 @@ impl Block {
         self.loose.seen(field, seen);
     }
 
-    /// Each row's change of velocity, as if all gas around it changed by -eps times that.
+    /// Each row's change of velocity, as if all gas around it changed by -eps times that; `fresh` if eps is new.
     fn change<I: Immersed>(
         &mut self,
         immersed: &I,
-        loads: Option<&[[f64; 1]]>,
+        fresh: bool,
         (steps, half): (&[f64], Half),
-        (settings, domain): (&Settings, &Domain),
-        Scratch { seen, coming, .. }: &mut Scratch,
+        law: &StoppingLaw,
+        Scratch {
+            seen,
+            coming,
+            motion,
+            ..
+        }: &mut Scratch,
     ) {
         empty(coming, self.rows.len(), [0.0; 4]);
         let rows = self.rows.chunks_mut(ABREAST).zip(seen.chunks(ABREAST));
@@ -300,18 +335,15 @@ impl Block {
                 a: [Vec3::zeros(); ABREAST],
             };
             for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
-                let i = row.i as usize;
-                let v = domain.relative(row.x, immersed.velocity(i));
+                let (v, a) = motion[row.place as usize];
                 row.u_tick = v - vector(seen, 0);
-                if loads.is_some() {
+                if fresh {
                     row.eps = row.gain * seen[ABSOLUTE];
                 }
                 drive.step[lane] = steps[row.place as usize];
-                if let Some(a) = immersed.acceleration(i).filter(|_| settings.joint) {
-                    drive.a[lane] = a + turning(domain, v) - vector(seen, 4);
-                }
+                drive.a[lane] = a.map_or_else(Vec3::zeros, |a| a - vector(seen, 4));
             }
-            relax((rows, coming), &settings.law, immersed, &drive, half);
+            relax((rows, coming), law, immersed, &drive, half);
         }
     }
 
@@ -349,21 +381,37 @@ impl Block {
         self.spread_impulse();
     }
 
-    /// Gives the members their change of velocity.
-    pub fn push<I: Immersed>(&self, immersed: &mut I, booking: &mut Booking) {
-        for row in &self.rows {
-            row.push(immersed, row.i as usize, booking);
-            booking.rigid += usize::from(row.shape == Shape::Rigid);
-            booking.plain += usize::from(row.shape == Shape::Plain);
-            booking.without_gas += usize::from(row.shape == Shape::Empty);
-        }
+    /// Books what the exchange did to the members, and notes it in their order; without feedback, what it would have done to the gas, too.
+    pub fn settle<I: Immersed>(
+        &mut self,
+        (immersed, members): (&I, &[u32]),
+        (settings, domain): (&Settings, &Domain),
+    ) {
+        let mut booking = Booking::default();
+        self.outcome.resize(self.rows.len(), Outcome::default());
+        SCRATCH.with_borrow_mut(|Scratch { motion, .. }| {
+            motion.clear();
+            let velocities = members.iter().map(|&i| immersed.velocity(i as usize));
+            motion.extend(velocities.map(|v| (v, None)));
+            for row in &self.rows {
+                let (v, _) = motion[row.place as usize];
+                row.book(v, &mut booking);
+                if !settings.feedback {
+                    row.give_away(domain.relative(row.x, v), &mut booking);
+                }
+                booking.rigid += usize::from(row.shape == Shape::Rigid);
+                booking.plain += usize::from(row.shape == Shape::Plain);
+                booking.without_gas += usize::from(row.shape == Shape::Empty);
+                self.outcome[row.place as usize] = row.outcome();
+            }
+        });
+        self.booking = booking;
     }
 
-    /// Books what a gas that feels no reaction would have got.
-    pub fn give_away<I: Immersed>(&self, immersed: &I, domain: &Domain, booking: &mut Booking) {
-        for row in &self.rows {
-            let v = domain.relative(row.x, immersed.velocity(row.i as usize));
-            row.give_away(v, booking);
+    /// Gives the members their change of velocity.
+    pub fn push<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
+        for (&i, outcome) in members.iter().zip(&self.outcome) {
+            outcome.push(immersed, i as usize);
         }
     }
 }

@@ -120,8 +120,10 @@ impl DustInDisk {
             });
         let mut booking = Booking::default();
         for (row, &i) in self.rows.iter().zip(&self.active) {
-            row.give_away(grains.velocity(i as usize), &mut booking);
-            row.push(&mut grains, i as usize, &mut booking);
+            let v = grains.velocity(i as usize);
+            row.book(v, &mut booking);
+            row.give_away(v, &mut booking);
+            row.outcome().push(&mut grains, i as usize);
         }
         book(system, &booking, false);
     }

@@ -35,6 +35,25 @@ pub struct Row {
     pub x: Vec3,
 }
 
+/// What a particle is told of its exchange.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    dv: Vec3,
+    t_stop: f64,
+    rho: f64,
+    c: f64,
+    /// velocity relative to the gas, after it
+    slip: Vec3,
+}
+
+impl Outcome {
+    /// Gives particle `i` its change of velocity.
+    pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize) {
+        immersed.push(i, self.dv, self.t_stop, self.rho);
+        immersed.hear(i, self.c, self.slip);
+    }
+}
+
 /// Rows that are worked on at once.
 pub const ABREAST: usize = 8;
 
@@ -190,14 +209,22 @@ fn columns<S: Simd>(vectors: &Vectors<S>) -> [[f64; ABREAST]; 3] {
 }
 
 impl Row {
-    /// Gives particle `i` its change of velocity.
-    pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize, booking: &mut Booking) {
-        let v = immersed.velocity(i);
+    /// Books the change of a particle of the velocity `v`.
+    pub fn book(&self, v: Vec3, booking: &mut Booking) {
         booking.immersed.add((self.x, v), self.m, self.dv);
         booking.kick += self.m * self.dv.dot(&(self.u_tick - self.u_middle));
-        immersed.push(i, self.dv, self.t_stop, self.rho);
-        // The gas around has changed by -eps dv.
-        immersed.hear(i, self.c, self.u_tick + (1.0 + self.eps) * self.dv);
+    }
+
+    /// What the particle is to know of its exchange.
+    pub fn outcome(&self) -> Outcome {
+        Outcome {
+            dv: self.dv,
+            t_stop: self.t_stop,
+            rho: self.rho,
+            c: self.c,
+            // The gas around has changed by -eps dv.
+            slip: self.u_tick + (1.0 + self.eps) * self.dv,
+        }
     }
 
     /// What the row gives to the gas: the reaction to its change, and its heat.
