@@ -6,7 +6,7 @@ use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::{Both, Booking, Half, Parcel, Settings, Vec3};
+use super::{Booking, Both, Half, Parcel, Settings, Vec3};
 
 const NOWHERE: u32 = u32::MAX;
 

@@ -3,6 +3,7 @@
 //! The same weights as [`super::Weights`] finds where they are exact for linear fields; it leaves all other points to that.
 
 mod tilt;
+mod weigh;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f64x8, mask64x8};
@@ -10,9 +11,9 @@ use nbody::points::{Domain, Vec3};
 
 use super::Reach;
 use super::candidates::Candidates;
-use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff, hold};
+use super::near::{FIRST, Kernel, LANES, TOLERANCE};
 use super::weights::MOST_ABSOLUTE;
-use tilt::{Moments, Tilt, dot};
+use tilt::{Tilt, dot};
 
 /// How far beyond its last neighbourhood a point is looked around for its new one, by the radius.
 const MARGIN: f64 = 1.03;
@@ -34,7 +35,7 @@ pub struct Bundle {
     index: Vec<u32>,
     /// weights by their sums
     weight: Vec<Lanes>,
-    /// what brings the sums to one, for the lanes that are served
+    /// what brings the sums to one; zero for the lanes that are not served
     norm: Lanes,
     served: u8,
     /// coordinates of the rows
@@ -70,12 +71,10 @@ impl Bundle {
 
     #[inline(always)]
     fn append_lanes<S: Simd>(&self, simd: S, to: &mut Vec<Lanes>) {
-        let mask = mask64x8::from_bitmask(simd, u64::from(self.served));
-        let (norm, none) = (lanes(simd, &self.norm), f64x8::splat(simd, 0.0));
+        let norm = lanes(simd, &self.norm);
         to.extend(self.weight[..self.rows].iter().map(|weight| {
             let mut normed = [0.0; LANES];
-            mask.select(lanes(simd, weight) * norm, none)
-                .store_slice(&mut normed);
+            (lanes(simd, weight) * norm).store_slice(&mut normed);
             normed
         }));
     }
@@ -216,87 +215,18 @@ impl Bundle {
         (radius, found as u8)
     }
 
-    /// Sums the density, and lists the gas that is inside of any point's kernel, with K V as weights.
-    #[inline(always)]
-    fn weigh<S: Simd>(
-        &mut self,
-        simd: S,
-        candidates: &Candidates,
-        kernel: Kernel,
-        x: &[f64x8<S>; 3],
-        radius: f64x8<S>,
-    ) -> Moments<S> {
-        grow(&mut self.index, self.near);
-        grow(&mut self.weight, self.near);
-        grow(&mut self.row, self.near);
-        let none = f64x8::splat(simd, 0.0);
-        let inverse = f64x8::splat(simd, 1.0) / radius;
-        let (mut n, mut mass) = (0, none);
-        for (distance, k) in self.distance[..self.near].iter().zip(0..) {
-            let place = self.place[k];
-            let q = lanes(simd, distance) * inverse;
-            mass = falloff(q).mul_add(candidates.mass(place as usize), mass);
-            let s = q * (1.0 / kernel.near);
-            // Written always, kept when inside: no branch to mispredict.
-            let s2 = s * s;
-            hold(s2).store_slice(&mut self.weight[n]);
-            self.place[n] = place;
-            n += usize::from(s2.simd_lt(1.0).to_bitmask() != 0);
-        }
-        self.rows = n;
-        let (mut rho, mut r) = ([0.0; LANES], [0.0; LANES]);
-        mass.store_slice(&mut rho);
-        radius.store_slice(&mut r);
-        for (rho, r) in rho.iter_mut().zip(r) {
-            *rho *= kernel.peak(r);
-        }
-        self.rho = rho;
-        self.moments(simd, candidates, x)
-    }
-
-    /// Multiplies the kernels of the rows by the volumes, and sums them.
-    #[inline(always)]
-    fn moments<S: Simd>(
-        &mut self,
-        simd: S,
-        candidates: &Candidates,
-        x: &[f64x8<S>; 3],
-    ) -> Moments<S> {
-        let none = f64x8::splat(simd, 0.0);
-        let mut sums = Moments {
-            zeroth: none,
-            first: [none; 3],
-            second: [none; 6],
-        };
-        let rows = self.weight.iter_mut().zip(&mut self.index);
-        let rows = rows.zip(&mut self.row).zip(&self.place[..self.rows]);
-        for (((weight, index), row), &k) in rows {
-            let near = candidates.at(k as usize);
-            let w = lanes(simd, weight) * near.volume;
-            let r = [-x[0] + near.x, -x[1] + near.y, -x[2] + near.z];
-            let wr = [w * r[0], w * r[1], w * r[2]];
-            sums.zeroth += w;
-            for axis in 0..3 {
-                sums.first[axis] += wr[axis];
-                sums.second[axis] = wr[axis].mul_add(r[axis], sums.second[axis]);
-            }
-            for (pair, (a, b)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-                sums.second[3 + pair] = wr[a].mul_add(r[b], sums.second[3 + pair]);
-            }
-            w.store_slice(weight);
-            (*index, *row) = (near.index, [near.x, near.y, near.z]);
-        }
-        sums
-    }
-
     /// Tilts the weights of the lanes `found`, and keeps those whose weights are not too negative.
     #[inline(always)]
     fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, found: u8) {
         let none = f64x8::splat(simd, 0.0);
+        let mask = |set: u8| mask64x8::from_bitmask(simd, u64::from(set));
+        // The others may have no numbers at all.
+        let found_lanes = mask(found);
+        let level = found_lanes.select(tilt.level, none);
+        let [sx, sy, sz] = tilt.slope.map(|s| found_lanes.select(s, none));
         let (mut total, mut absolute) = (none, none);
         for (weight, row) in self.weight[..self.rows].iter_mut().zip(&self.row) {
-            let [sx, sy, sz] = tilt.slope;
-            let factor = sx.mul_add(f64x8::splat(simd, row[0]), tilt.level);
+            let factor = sx.mul_add(f64x8::splat(simd, row[0]), level);
             let factor = sy.mul_add(f64x8::splat(simd, row[1]), factor);
             let factor = sz.mul_add(f64x8::splat(simd, row[2]), factor);
             let w = lanes(simd, weight) * factor;
@@ -305,7 +235,10 @@ impl Bundle {
             absolute += w.abs();
         }
         self.served = found & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
-        (f64x8::splat(simd, 1.0) / total).store_slice(&mut self.norm);
+        let norm = f64x8::splat(simd, 1.0) / total;
+        mask(self.served)
+            .select(norm, none)
+            .store_slice(&mut self.norm);
     }
 }
 
