@@ -138,13 +138,13 @@ impl Exchange {
                     block.spread_load();
                 }
             });
-        for block in &self.blocks[..self.used] {
-            block.keep_smoothing(immersed);
+        for (block, members) in self.blocks[..self.used].iter().zip(active.chunks(BLOCK)) {
+            block.keep_smoothing(immersed, members);
         }
         if settings.feedback {
             let blocks = &mut self.blocks[..self.used];
             self.touched.list(blocks, gas);
-            self.touched.sum(blocks, gas);
+            self.touched.sum_loads(blocks, gas);
             self.fresh = true;
         }
     }
@@ -165,7 +165,7 @@ impl Exchange {
             }
         });
         if feedback {
-            self.touched.sum(blocks, gas);
+            self.touched.sum_loads(blocks, gas);
             self.fresh = true;
         }
     }
@@ -186,46 +186,46 @@ impl Exchange {
         let blocks = &mut self.blocks[..self.used];
         let (settings, domain) = (&self.settings, &self.domain);
         let (seen, see) = (&*immersed, &*gas);
-        let (touched, fresh) = (&self.touched, std::mem::take(&mut self.fresh));
+        let fresh = std::mem::take(&mut self.fresh);
+        let loads = fresh.then_some(self.touched.loads.as_slice());
+        let active = &self.active;
         blocks
             .par_iter_mut()
-            .zip(steps.par_chunks(BLOCK))
-            .for_each(|(block, steps)| {
-                if fresh {
-                    block.gather_load(touched);
-                }
-                block.relax(see, seen, steps, half, (settings, domain));
-                if settings.feedback {
-                    block.spread_impulse();
+            .zip(active.par_chunks(BLOCK).zip(steps.par_chunks(BLOCK)))
+            .for_each(|(block, (members, steps))| {
+                let seen = (seen, members);
+                block.relax(see, seen, loads, (steps, half), (settings, domain));
+                if !settings.feedback {
+                    block.settle(seen, (settings, domain));
                 }
             });
         if settings.feedback {
-            self.touched.sum(blocks, see);
-            let touched = &self.touched;
-            blocks.par_iter_mut().for_each(|block| {
-                block.refine(touched);
-                block.spread_impulse();
-            });
-            self.touched.sum(blocks, see);
+            match half {
+                Half::Closing => self.touched.sum_impulses(blocks, see),
+                Half::Opening => self.touched.sum_both(blocks, see),
+            }
+            let sums = &self.touched.sums;
+            blocks
+                .par_iter_mut()
+                .zip(active.par_chunks(BLOCK))
+                .for_each(|(block, members)| {
+                    block.refine(sums);
+                    block.settle((seen, members), (settings, domain));
+                });
+            self.touched.sum_impulses(blocks, see);
         }
         let mut booking = Booking::default();
-        for block in &*blocks {
-            block.push(immersed, &mut booking);
+        for (block, members) in blocks.iter().zip(active.chunks(BLOCK)) {
+            booking += block.booking;
+            block.push(immersed, members);
         }
         if settings.feedback {
-            let domain = self.domain;
-            let when = (&domain, half, clock);
+            let when = (domain, half, clock);
             self.touched.push(gas, settings, when, &mut booking);
             if half == Half::Opening {
-                blocks.par_iter_mut().for_each(Block::spread_coming);
-                self.touched.sum(blocks, gas);
                 let time = clock.time();
                 (self.touched).expect(gas, blocks, settings.heat_share, time);
             }
-        } else {
-            blocks
-                .iter()
-                .for_each(|block| block.give_away(&mut booking));
         }
         booking
     }
@@ -234,9 +234,11 @@ impl Exchange {
 /// A sum over the pairs of one gas particle: momentum, energy.
 type Parcel = [f64; 4];
 
-fn parcel(p: Vec3, e: f64) -> Parcel {
-    [p.x, p.y, p.z, e]
-}
+/// That of one half of a step and that of the other.
+type Both = [f64; 8];
+
+/// The column of a field that is seen by |w|.
+const ABSOLUTE: usize = 3;
 
 #[cfg(test)]
 mod tests;

@@ -2,8 +2,8 @@
 //!
 //! rho(x) = sum_j m_j W(|x_j - x|, h), with h such that (4 pi/3) H^3 sum_j W = neighbours (pi H^2 in two dimensions), H the radius of the
 //! kernel (Wendland C2). A field f is f(x) = sum_j w_j f_j with the weights of [`Weights`], exact for fields that are linear in space.
-//! Points further than the largest H from all gas see none: density 0. Gradients are least squares over the neighbours, f_j against r_j with
-//! weights |w_j|: exact for linear fields too, also at an edge.
+//! Points further than 1.5 of the largest h (sqrt(2) in two dimensions) from all gas see none: density 0. Gradients are least squares over the
+//! neighbours, f_j against r_j with weights |w_j|: exact for linear fields too, also at an edge.
 
 mod bundle;
 mod candidates;

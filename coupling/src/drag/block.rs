@@ -2,6 +2,8 @@
 //!
 //! Everything a block writes is its own: sums over gas are formed slot by slot and added up over the blocks afterwards, in a fixed order.
 
+mod passes;
+
 use std::cell::RefCell;
 
 use gas::Gas;
@@ -11,14 +13,26 @@ use nbody::points::{Domain, Vec3};
 use super::bundles::Bundles;
 use super::group::{Cell, Member, RUN, cut};
 use super::loose::Loose;
-use super::row::{ABREAST, Drive, Row, relax};
+use super::row::{Outcome, Row};
 use super::slots::Slots;
-use super::{Booking, Half, Immersed, Parcel, Settings, parcel};
+use super::{Booking, Both, Immersed, Parcel};
 
-/// Buffers of a thread while it links blocks.
+/// Buffers of a thread while it works on a block.
 #[derive(Default)]
 struct Scratch {
+    /// columns of a field of the slots, and at each row
+    field: Vec<[f64; 8]>,
+    sums: Vec<Parcel>,
+    seen: Vec<[f64; 8]>,
+    /// what rows are to give in the other half of their step
+    coming: Vec<Parcel>,
+    /// velocities, relative to a shear or not, and accelerations of the members by place
+    motion: Vec<(Vec3, Option<Vec3>)>,
+    /// Where members are relative to.
+    origin: Vec3,
     members: Vec<Member>,
+    /// smoothing lengths of the members by place
+    lengths: Vec<f64>,
     cells: Vec<Cell>,
     candidates: Candidates,
     /// of a member that finds too little in the cell's
@@ -41,14 +55,17 @@ pub struct Block {
     pub gas: Vec<u32>,
     /// place of each slot in the list of touched gas
     pub place: Vec<u32>,
-    /// sums over the pairs of each slot
+    /// Sums over the pairs of each slot: of |w| m, of impulses and heat, and of these with those of the other half of the step.
+    pub loads: Vec<f64>,
     pub partial: Vec<Parcel>,
+    pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
-    /// velocity and acceleration of each slot
-    field: Vec<[f64; 8]>,
-    /// columns of a field, at each row
-    seen: Vec<[f64; 8]>,
+    /// by place: smoothing length of the gas around and the time to cross it, and what the exchange did
+    around: Vec<[f64; 2]>,
+    outcome: Vec<Outcome>,
+    /// what the exchange moved
+    pub booking: Booking,
 }
 
 /// Three columns from `first` on.
@@ -88,9 +105,9 @@ impl Block {
             slots.number(&mut self.gas);
             self.bundles.name(|j| *j = slots.of(*j));
             self.loose.name(|j| *j = slots.of(*j));
+            self.place.resize(self.gas.len(), 0);
+            self.hear(gas, immersed, domain, scratch);
         });
-        self.place.resize(self.gas.len(), 0);
-        self.hear(gas, immersed, domain);
     }
 
     /// Brings the members into order; those without a smoothing length get one.
@@ -105,6 +122,9 @@ impl Block {
         self.bundles.clear();
         self.loose.clear();
         scratch.members.clear();
+        scratch.lengths.clear();
+        let first = members.first().map(|&i| immersed.position(i as usize));
+        scratch.origin = first.unwrap_or_default();
         for (&i, place) in members.iter().zip(0..) {
             let (x, mut h) = (
                 immersed.position(i as usize),
@@ -115,10 +135,14 @@ impl Block {
                 weights.find(&mut scratch.own, gas, domain, (x, h), reach);
                 h = weights.h;
             }
-            scratch.members.push(Member { x, h, place });
+            let x: [f64; 3] = (x - scratch.origin).into();
+            let x = x.map(|x| x as f32);
+            scratch.members.push(Member { x, place });
+            scratch.lengths.push(h);
         }
         scratch.cells.clear();
-        cut(&mut scratch.members, 0, domain, &mut scratch.cells);
+        let (h, cells) = (&scratch.lengths, &mut scratch.cells);
+        cut(&mut scratch.members, 0, (h, domain), cells);
         self.rows.clear();
         self.rows.extend(scratch.members.iter().map(|member| {
             let i = members[member.place as usize];
@@ -126,8 +150,8 @@ impl Block {
                 place: member.place,
                 i,
                 m: immersed.mass(i as usize),
-                x: member.x,
-                h: member.h,
+                x: immersed.position(i as usize),
+                h: scratch.lengths[member.place as usize],
                 ..Row::default()
             }
         }));
@@ -148,7 +172,8 @@ impl Block {
             own,
             ..
         } = scratch;
-        candidates.gather(gas, domain, cell.lo, cell.hi, available);
+        let (lo, hi) = (cell.lo + scratch.origin, cell.hi + scratch.origin);
+        candidates.gather(gas, domain, lo, hi, available);
         for first in (cell.first..cell.end).step_by(RUN) {
             let count = RUN.min(cell.end - first);
             let mut points = [(Vec3::zeros(), 0.0); RUN];
@@ -182,17 +207,24 @@ impl Block {
     }
 
     /// Sound speed around each row, and the time to cross its smoothing length, by the velocity relative to a shear.
-    fn hear<I: Immersed>(&mut self, gas: &Gas, immersed: &I, domain: &Domain) {
-        self.field.clear();
-        self.field.extend(self.gas.iter().map(|&j| {
+    fn hear<I: Immersed>(
+        &mut self,
+        gas: &Gas,
+        immersed: &I,
+        domain: &Domain,
+        Scratch { field, seen, .. }: &mut Scratch,
+    ) {
+        field.clear();
+        field.extend(self.gas.iter().map(|&j| {
             let j = j as usize;
             let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
             [v.x, v.y, v.z, isothermal(gas, j), 1.0, 0.0, 0.0, 0.0]
         }));
-        self.seen.resize(self.rows.len(), [0.0; 8]);
-        self.bundles.heard::<5, 8>(&self.field, &mut self.seen);
-        self.loose.heard(&self.field, &mut self.seen);
-        for (row, heard) in self.rows.iter_mut().zip(&self.seen) {
+        empty(seen, self.rows.len(), [0.0; 8]);
+        self.around.resize(self.rows.len(), [0.0; 2]);
+        self.bundles.heard::<5, 8>(field, seen);
+        self.loose.heard(field, seen);
+        for (row, heard) in self.rows.iter_mut().zip(&*seen) {
             // Without neighbours everything is zero, and the time to cross infinite.
             let norm = if heard[4] > 0.0 { heard[4] } else { 1.0 };
             row.c = (heard[3] / norm).sqrt();
@@ -202,12 +234,13 @@ impl Block {
                 Shape::Empty => f64::INFINITY,
                 _ => row.h / (row.c + u.norm()),
             };
+            self.around[row.place as usize] = [row.h, row.crossing];
         }
     }
 
-    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I) {
-        for row in &self.rows {
-            immersed.keep_smoothing(row.i as usize, row.h, row.crossing);
+    pub fn keep_smoothing<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
+        for (&i, &[h, crossing]) in members.iter().zip(&self.around) {
+            immersed.keep_smoothing(i as usize, h, crossing);
         }
     }
 
@@ -220,127 +253,15 @@ impl Block {
 
     /// Spreads |w| m over the slots.
     pub fn spread_load(&mut self) {
-        self.empty_partial();
+        empty(&mut self.loads, self.gas.len(), 0.0);
         let of = |row: usize| self.rows[row].m * self.rows[row].gain;
-        self.bundles.load(of, &mut self.partial);
-        self.loose.load(of, &mut self.partial);
+        self.bundles.load(of, &mut self.loads);
+        self.loose.load(of, &mut self.loads);
     }
+}
 
-    fn empty_partial(&mut self) {
-        self.partial.clear();
-        self.partial.resize(self.gas.len(), [0.0; 4]);
-    }
-
-    /// Fetches the sums over all blocks.
-    fn fetch(&mut self, touched: &super::Touched) {
-        self.partial.clear();
-        let sums = self.place.iter().map(|&place| touched.sums[place as usize]);
-        self.partial.extend(sums);
-    }
-
-    /// eps of each row, from the loads of the gas.
-    pub fn gather_load(&mut self, touched: &super::Touched) {
-        self.fetch(touched);
-        self.bundles.heard::<1, 4>(&self.partial, &mut self.seen);
-        self.loose.heard(&self.partial, &mut self.seen);
-        for (row, heard) in self.rows.iter_mut().zip(&self.seen) {
-            row.eps = row.gain * heard[0];
-        }
-    }
-
-    /// Each row's change of velocity, as if all gas around it changed by -eps times that.
-    pub fn relax<I: Immersed>(
-        &mut self,
-        gas: &Gas,
-        immersed: &I,
-        steps: &[f64],
-        half: Half,
-        (settings, domain): (&Settings, &Domain),
-    ) {
-        // Relative to a shear, since neighbours may be images.
-        let relative = |x: Vec3, v: Vec3| domain.relative(x, v);
-        let turning = |w: Vec3| {
-            domain
-                .hill()
-                .map_or_else(Vec3::zeros, |hill| hill.turning(w))
-        };
-        self.half = steps.iter().sum::<f64>() / steps.len() as f64;
-        self.field.clear();
-        self.field.extend(self.gas.iter().map(|&j| {
-            let j = j as usize;
-            let v = relative(gas.particles.x[j], gas.rates.v_pred[j]);
-            let a = if settings.joint {
-                gas.acceleration(j) + turning(v)
-            } else {
-                Vec3::zeros()
-            };
-            [v.x, v.y, v.z, 0.0, a.x, a.y, a.z, 0.0]
-        }));
-        self.seen.fill([0.0; 8]);
-        self.bundles.seen::<7, 8>(&self.field, &mut self.seen);
-        self.loose.seen(&self.field, &mut self.seen);
-        for (rows, seen) in self.rows.chunks_mut(ABREAST).zip(self.seen.chunks(ABREAST)) {
-            let mut drive = Drive {
-                step: [0.0; ABREAST],
-                a: [Vec3::zeros(); ABREAST],
-            };
-            for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
-                let i = row.i as usize;
-                let v = relative(row.x, immersed.velocity(i));
-                row.v_gas = vector(seen, 0);
-                row.u_tick = v - row.v_gas;
-                drive.step[lane] = steps[row.place as usize];
-                if let Some(a) = immersed.acceleration(i).filter(|_| settings.joint) {
-                    drive.a[lane] = a + turning(v) - vector(seen, 4);
-                }
-            }
-            relax(rows, &settings.law, immersed, &drive, half);
-        }
-    }
-
-    /// Spreads the reaction to each row's change, and its heat, over the slots.
-    pub fn spread_impulse(&mut self) {
-        self.spread(|row| (-row.m * row.dv, row.heat()));
-    }
-
-    /// Spreads the reaction to what each row expects of the other half of its step.
-    pub fn spread_coming(&mut self) {
-        self.spread(|row| (-row.m * row.coming, row.coming_heat));
-    }
-
-    /// Spreads an impulse and a heat of each row over the slots.
-    fn spread(&mut self, of: impl Fn(&Row) -> (Vec3, f64)) {
-        self.empty_partial();
-        let of = |row: usize| {
-            let (reaction, heat) = of(&self.rows[row]);
-            parcel(reaction, heat)
-        };
-        self.bundles.spread(of, &mut self.partial);
-        self.loose.spread(of, &mut self.partial);
-    }
-
-    /// Makes up for what the gas did beyond -eps dv.
-    pub fn refine(&mut self, touched: &super::Touched) {
-        self.fetch(touched);
-        self.bundles.seen::<3, 4>(&self.partial, &mut self.seen);
-        self.loose.seen(&self.partial, &mut self.seen);
-        for (row, seen) in self.rows.iter_mut().zip(&self.seen) {
-            row.dv += row.share * (vector(seen, 0) + row.eps * row.dv);
-        }
-    }
-
-    /// Gives the members their change of velocity.
-    pub fn push<I: Immersed>(&self, immersed: &mut I, booking: &mut Booking) {
-        for row in &self.rows {
-            row.push(immersed, row.i as usize, booking);
-            booking.rigid += usize::from(row.shape == Shape::Rigid);
-            booking.plain += usize::from(row.shape == Shape::Plain);
-            booking.without_gas += usize::from(row.shape == Shape::Empty);
-        }
-    }
-
-    /// Books what a gas that feels no reaction would have got.
-    pub fn give_away(&self, booking: &mut Booking) {
-        self.rows.iter().for_each(|row| row.give_away(booking));
-    }
+/// Makes a column `n` times the same.
+fn empty<T: Copy>(column: &mut Vec<T>, n: usize, value: T) {
+    column.clear();
+    column.resize(n, value);
 }

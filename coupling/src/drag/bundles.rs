@@ -3,8 +3,8 @@
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4, f64x8};
 use gas::probe::{Bundle, Lanes};
 
-use super::Parcel;
 use super::group::RUN;
+use super::{ABSOLUTE, Both, Parcel};
 
 /// Rows from `row` on, those in the lanes `served` alone, with the weights `start..end`.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +44,8 @@ impl Bundles {
     /// Appends the lanes `served` of a bundle as rows from `row` on.
     pub fn add(&mut self, bundle: &Bundle, row: usize, served: u8) {
         let start = self.slot.len();
-        self.slot.extend_from_slice(&bundle.index);
-        self.weight.extend_from_slice(&bundle.weight);
+        self.slot.extend_from_slice(bundle.index());
+        bundle.append(&mut self.weight);
         let end = self.slot.len();
         self.lots.push(Lot {
             row,
@@ -55,14 +55,14 @@ impl Bundles {
         });
     }
 
-    /// The first M columns of a field of the slots, at each row.
+    /// The first M columns of a field of the slots, at each row; the fourth of them by |w|.
     pub fn seen<const M: usize, const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |w| w));
+        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |k, w| if k == ABSOLUTE { w.abs() } else { w }));
     }
 
-    /// The same by |w|.
+    /// All of them by |w|.
     pub fn heard<const M: usize, const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |w| w.abs()));
+        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |_, w| w.abs()));
     }
 
     #[inline(always)]
@@ -71,16 +71,16 @@ impl Bundles {
         simd: S,
         field: &[[f64; N]],
         seen: &mut [[f64; 8]],
-        of: impl Fn(f64x8<S>) -> f64x8<S>,
+        of: impl Fn(usize, f64x8<S>) -> f64x8<S>,
     ) {
         for lot in &self.lots {
             let mut sums = [f64x8::splat(simd, 0.0); M];
             let range = lot.start..lot.end;
             for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
-                let w = of(f64x8::from_slice(simd, weight));
+                let w = f64x8::from_slice(simd, weight);
                 let value = &field[slot as usize];
-                for (sum, &value) in sums.iter_mut().zip(value) {
-                    *sum = w.mul_add(f64x8::splat(simd, value), *sum);
+                for (k, (sum, &value)) in sums.iter_mut().zip(value).enumerate() {
+                    *sum = of(k, w).mul_add(f64x8::splat(simd, value), *sum);
                 }
             }
             let mut columns = [[0.0; RUN]; M];
@@ -96,49 +96,54 @@ impl Bundles {
 
     /// Adds w times what each row gives to the slots.
     pub fn spread(&self, of: impl Fn(usize) -> Parcel, partial: &mut [Parcel]) {
-        nbody::widest!(Level::new(), simd => self.spread_lanes(simd, &of, partial));
+        nbody::widest!(Level::new(), simd => self.spread_lanes::<_, f64x4<_>, 4>(simd, &of, partial));
+    }
+
+    /// The same for what each row gives now and in the other half of its step.
+    pub fn spread_both(&self, of: impl Fn(usize) -> Both, partial: &mut [Both]) {
+        nbody::widest!(Level::new(), simd => self.spread_lanes::<_, f64x8<_>, 8>(simd, &of, partial));
     }
 
     #[inline(always)]
-    fn spread_lanes<S: Simd>(
+    fn spread_lanes<S: Simd, V: SimdFloat<S, Element = f64>, const N: usize>(
         &self,
         simd: S,
-        of: &impl Fn(usize) -> Parcel,
-        partial: &mut [Parcel],
+        of: &impl Fn(usize) -> [f64; N],
+        partial: &mut [[f64; N]],
     ) {
         for lot in &self.lots {
-            let mut given = [f64x4::splat(simd, 0.0); RUN];
+            let mut given = [V::splat(simd, 0.0); RUN];
             for lane in lot.lanes() {
-                given[lane] = f64x4::from_slice(simd, &of(lot.row + lane));
+                given[lane] = V::from_slice(simd, &of(lot.row + lane));
             }
             let range = lot.start..lot.end;
             for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
                 let part = &mut partial[slot as usize];
-                let mut sum = f64x4::from_slice(simd, part);
+                let mut sum = V::from_slice(simd, part);
                 for (&w, given) in weight.iter().zip(given) {
-                    sum = f64x4::splat(simd, w).mul_add(given, sum);
+                    sum = V::splat(simd, w).mul_add(given, sum);
                 }
                 sum.store_slice(part);
             }
         }
     }
 
-    /// Adds |w| times what each row weighs to the first column of the slots.
-    pub fn load(&self, of: impl Fn(usize) -> f64, partial: &mut [Parcel]) {
-        nbody::widest!(Level::new(), simd => self.load_lanes(simd, &of, partial));
+    /// Adds |w| times what each row weighs to the slots.
+    pub fn load(&self, of: impl Fn(usize) -> f64, loads: &mut [f64]) {
+        nbody::widest!(Level::new(), simd => self.load_lanes(simd, &of, loads));
     }
 
     #[inline(always)]
-    fn load_lanes<S: Simd>(&self, simd: S, of: &impl Fn(usize) -> f64, partial: &mut [Parcel]) {
+    fn load_lanes<S: Simd>(&self, simd: S, of: &impl Fn(usize) -> f64, loads: &mut [f64]) {
         for lot in &self.lots {
-            let mut loads = [0.0; RUN];
+            let mut weighs = [0.0; RUN];
             lot.lanes()
-                .for_each(|lane| loads[lane] = of(lot.row + lane));
-            let loads = f64x8::from_slice(simd, &loads);
+                .for_each(|lane| weighs[lane] = of(lot.row + lane));
+            let weighs = f64x8::from_slice(simd, &weighs);
             let range = lot.start..lot.end;
             for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
                 let weight = f64x8::from_slice(simd, weight).abs();
-                partial[slot as usize][0] += (weight * loads).reduce_sum();
+                loads[slot as usize] += (weight * weighs).reduce_sum();
             }
         }
     }

@@ -1,11 +1,11 @@
 //! Loose rows: immersed particles whose weights stand by themselves, because they are at an edge of the gas or share it with too few others.
 
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4, f64x8};
 use gas::probe::{Shape, Weights};
 use nalgebra::Matrix3;
 use nbody::points::Vec3;
 
-use super::{Parcel, parcel};
+use super::{ABSOLUTE, Both, Parcel};
 
 /// What a rigid shape adds to the weights.
 #[derive(Clone, Copy, Debug)]
@@ -82,9 +82,13 @@ impl Loose {
         slots.zip(self.weight[range].iter().copied())
     }
 
-    /// The first columns of a field of the slots, at each row: vectors in the first three of each four columns.
+    /// The first columns of a field of the slots, at each row: vectors in the first three of each four columns; the fourth by |w|.
     pub fn seen<const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w| w));
+        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w: f64| {
+            let mut first = [w; 4];
+            first[ABSOLUTE] = w.abs();
+            [first, [w; 4]]
+        }));
         for own in self.own.iter().filter(|own| own.turn.is_some()) {
             for first in (0..N).step_by(4) {
                 let turned = self.turned(own, |slot| vector(&field[slot], first));
@@ -95,7 +99,7 @@ impl Loose {
 
     /// The same by |w|, without turns.
     pub fn heard<const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w: f64| w.abs()));
+        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w: f64| [[w.abs(); 4]; 2]));
     }
 
     #[inline(always)]
@@ -104,7 +108,7 @@ impl Loose {
         simd: S,
         field: &[[f64; N]],
         seen: &mut [[f64; 8]],
-        of: impl Fn(f64) -> f64,
+        of: impl Fn(f64) -> [[f64; 4]; 2],
     ) {
         for own in &self.own {
             // Four sums, so that one addition does not wait for the other.
@@ -113,8 +117,9 @@ impl Loose {
             let slots = self.slot[range.clone()].chunks(4);
             for (slots, weights) in slots.zip(self.weight[range].chunks(4)) {
                 for (k, (&slot, &w)) in slots.iter().zip(weights).enumerate() {
-                    let w = f64x4::splat(simd, of(w));
-                    for (sums, value) in sums.iter_mut().zip(field[slot as usize].chunks(4)) {
+                    let values = field[slot as usize].chunks(4);
+                    for ((sums, w), value) in sums.iter_mut().zip(&of(w)).zip(values) {
+                        let w = f64x4::from_slice(simd, w);
                         sums[k] = w.mul_add(f64x4::from_slice(simd, value), sums[k]);
                     }
                 }
@@ -140,48 +145,61 @@ impl Loose {
 
     /// Adds w times what each row gives to the slots; the first three columns are an impulse.
     pub fn spread(&self, of: impl Fn(usize) -> Parcel, partial: &mut [Parcel]) {
-        nbody::widest!(Level::new(), simd => self.spread_lanes(simd, &of, partial));
-        for own in &self.own {
-            if let Some(turn) = own.turn {
-                let reaction = vector(&of(own.row), 0);
-                self.spread_turn(own, &self.turns[turn as usize], reaction, partial);
-            }
-        }
+        nbody::widest!(Level::new(), simd => self.spread_lanes::<_, f64x4<_>, 4>(simd, &of, partial));
+        self.spread_turns(of, partial);
+    }
+
+    /// The same for what each row gives now and in the other half of its step.
+    pub fn spread_both(&self, of: impl Fn(usize) -> Both, partial: &mut [Both]) {
+        nbody::widest!(Level::new(), simd => self.spread_lanes::<_, f64x8<_>, 8>(simd, &of, partial));
+        self.spread_turns(of, partial);
     }
 
     #[inline(always)]
-    fn spread_lanes<S: Simd>(
+    fn spread_lanes<S: Simd, V: SimdFloat<S, Element = f64>, const N: usize>(
         &self,
         simd: S,
-        of: &impl Fn(usize) -> Parcel,
-        partial: &mut [Parcel],
+        of: &impl Fn(usize) -> [f64; N],
+        partial: &mut [[f64; N]],
     ) {
         for own in &self.own {
-            let given = f64x4::from_slice(simd, &of(own.row));
+            let given = V::from_slice(simd, &of(own.row));
             for (slot, w) in self.pairs(own) {
                 let part = &mut partial[slot];
-                let sum = f64x4::from_slice(simd, part);
-                f64x4::splat(simd, w).mul_add(given, sum).store_slice(part);
+                let sum = V::from_slice(simd, part);
+                V::splat(simd, w).mul_add(given, sum).store_slice(part);
             }
         }
     }
 
-    /// The part of a rigid shape's reaction that keeps the angular momentum.
-    fn spread_turn(&self, own: &Own, turn: &Turn, reaction: Vec3, partial: &mut [Parcel]) {
-        let spin = turn.inverse_inertia * turn.offset.cross(&reaction);
-        for ((slot, w), arm) in self.pairs(own).zip(&self.arms[turn.first_arm..]) {
-            let impulse = parcel(-w * spin.cross(arm), 0.0);
-            let part = &mut partial[slot];
-            (0..3).for_each(|k| part[k] += impulse[k]);
+    /// The parts of rigid shapes' reactions that keep the angular momentum.
+    fn spread_turns<const N: usize>(
+        &self,
+        of: impl Fn(usize) -> [f64; N],
+        partial: &mut [[f64; N]],
+    ) {
+        for own in &self.own {
+            let Some(turn) = own.turn.map(|turn| &self.turns[turn as usize]) else {
+                continue;
+            };
+            let given = of(own.row);
+            for first in (0..N).step_by(4) {
+                let spin = turn.inverse_inertia * turn.offset.cross(&vector(&given, first));
+                for ((slot, w), arm) in self.pairs(own).zip(&self.arms[turn.first_arm..]) {
+                    let impulse = -w * spin.cross(arm);
+                    let part = &mut partial[slot];
+                    (0..3).for_each(|k| part[first + k] += impulse[k]);
+                }
+            }
         }
     }
 
-    /// Adds |w| times what each row weighs to the first column of the slots.
-    pub fn load(&self, of: impl Fn(usize) -> f64, partial: &mut [Parcel]) {
+    /// Adds |w| times what each row weighs to the slots.
+    pub fn load(&self, of: impl Fn(usize) -> f64, loads: &mut [f64]) {
         for own in &self.own {
             let load = of(own.row);
             for (slot, w) in self.pairs(own) {
-                partial[slot][0] += load * w.abs();
+                loads[slot] += load * w.abs();
             }
         }
     }

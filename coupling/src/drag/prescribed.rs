@@ -120,8 +120,10 @@ impl DustInDisk {
             });
         let mut booking = Booking::default();
         for (row, &i) in self.rows.iter().zip(&self.active) {
-            row.push(&mut grains, i as usize, &mut booking);
-            row.give_away(&mut booking);
+            let v = grains.velocity(i as usize);
+            row.book(v, &mut booking);
+            row.give_away(v, &mut booking);
+            row.outcome().push(&mut grains, i as usize);
         }
         book(system, &booking, false);
     }
@@ -147,8 +149,7 @@ fn relaxed(
         return row;
     };
     (row.rho, row.c) = (gas.rho, gas.c);
-    row.v_gas = frame.v + gas.v;
-    row.u_tick = grains.velocity(i) - row.v_gas;
+    row.u_tick = grains.velocity(i) - (frame.v + gas.v);
     let out = Vec3::new(place.x, place.y, 0.0);
     let square = gas.v.norm_squared() / out.norm_squared();
     let circling = -square * bend(square.sqrt(), whole) * out;
@@ -157,7 +158,13 @@ fn relaxed(
         step: [step; ABREAST],
         a: [own - circling - frame.a; ABREAST],
     };
-    relax(std::slice::from_mut(&mut row), law, grains, &drive, half);
+    relax(
+        (std::slice::from_mut(&mut row), &mut [[0.0; 4]]),
+        law,
+        grains,
+        &drive,
+        half,
+    );
     row
 }
 

@@ -7,7 +7,7 @@ use gas::probe::Shape;
 use nbody::points::Vec3;
 
 use super::relaxation::{Relaxation, Vectors};
-use super::{Ambient, Booking, Half, Immersed, StoppingLaw};
+use super::{Ambient, Booking, Half, Immersed, Parcel, StoppingLaw};
 
 /// An immersed particle: the gas around it, and its exchange.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,17 +27,31 @@ pub struct Row {
     pub t_stop: f64,
     /// change of its velocity
     pub dv: Vec3,
-    /// change and heat to be expected of the other half, if this one opens a step
-    pub coming: Vec3,
-    pub coming_heat: f64,
     /// its change per velocity that the gas is found to have gained beyond -eps dv
     pub share: f64,
     /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
     pub u_tick: Vec3,
     pub u_middle: Vec3,
-    /// velocity of the gas at this tick
-    pub v_gas: Vec3,
     pub x: Vec3,
+}
+
+/// What a particle is told of its exchange.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    dv: Vec3,
+    t_stop: f64,
+    rho: f64,
+    c: f64,
+    /// velocity relative to the gas, after it
+    slip: Vec3,
+}
+
+impl Outcome {
+    /// Gives particle `i` its change of velocity.
+    pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize) {
+        immersed.push(i, self.dv, self.t_stop, self.rho);
+        immersed.hear(i, self.c, self.slip);
+    }
 }
 
 /// Rows that are worked on at once.
@@ -49,9 +63,10 @@ pub struct Drive {
     pub a: [Vec3; ABREAST],
 }
 
-/// The changes of up to eight rows over their half steps, as if the gas changed by -eps times that.
+/// The changes of up to eight rows over their half steps, as if the gas changed by -eps times that. If they open a step, `coming` is what they
+/// are to give in the other half: impulse and heat.
 pub fn relax<I: Immersed>(
-    rows: &mut [Row],
+    (rows, coming): (&mut [Row], &mut [Parcel]),
     law: &StoppingLaw,
     immersed: &I,
     drive: &Drive,
@@ -69,7 +84,7 @@ pub fn relax<I: Immersed>(
             omega: immersed.omega(particles[lane]),
         }),
     );
-    nbody::widest!(Level::new(), simd => relax_lanes(simd, rows, &abreast, drive, half));
+    nbody::widest!(Level::new(), simd => relax_lanes(simd, (rows, coming), &abreast, drive, half));
 }
 
 /// A vector of each row.
@@ -132,7 +147,13 @@ fn relaxation<S: Simd>(simd: S, abreast: &Abreast, u: &Vectors<S>, dt: f64x8<S>)
 }
 
 #[inline(always)]
-fn relax_lanes<S: Simd>(simd: S, rows: &mut [Row], abreast: &Abreast, drive: &Drive, half: Half) {
+fn relax_lanes<S: Simd>(
+    simd: S,
+    (rows, coming): (&mut [Row], &mut [Parcel]),
+    abreast: &Abreast,
+    drive: &Drive,
+    half: Half,
+) {
     let row = |lane: usize| &rows[lane.min(rows.len() - 1)];
     let one = f64x8::splat(simd, 1.0);
     let step = f64x8::from_slice(simd, &drive.step);
@@ -158,8 +179,6 @@ fn relax_lanes<S: Simd>(simd: S, rows: &mut [Row], abreast: &Abreast, drive: &Dr
     let change = relaxed.change(&start, &kick);
     let dv = [change[0] * each, change[1] * each, change[2] * each];
     let share = array(relaxed.lag * each);
-    let mut coming = [one * 0.0; 3];
-    let mut coming_heat = one * 0.0;
     if half == Half::Opening {
         // The other half goes on from here, by the same kick.
         let next = sum(&sum(&start, one, &kick), one, &change);
@@ -167,17 +186,19 @@ fn relax_lanes<S: Simd>(simd: S, rows: &mut [Row], abreast: &Abreast, drive: &Dr
             relaxed = relaxation(simd, abreast, &next, load * step);
         }
         let change = relaxed.change(&next, &kick);
-        coming = [change[0] * each, change[1] * each, change[2] * each];
-        let mean = sum(&next, one * 0.5, &sum(&kick, one, &coming));
-        coming_heat = -(m * dot(&coming, &mean));
+        let dv = [change[0] * each, change[1] * each, change[2] * each];
+        let mean = sum(&next, one * 0.5, &sum(&kick, one, &dv));
+        let heat = array(-(m * dot(&dv, &mean)));
+        let [x, y, z] = columns(&[-(m * dv[0]), -(m * dv[1]), -(m * dv[2])]);
+        for (lane, coming) in coming.iter_mut().enumerate() {
+            *coming = [x[lane], y[lane], z[lane], heat[lane]];
+        }
     }
     let t_stop = array(abreast.stopping_time(simd, norm(&u)));
-    let (coming_heat, middle) = (array(coming_heat), columns(&middle));
-    let (dv, coming) = (columns(&dv), columns(&coming));
+    let (dv, middle) = (columns(&dv), columns(&middle));
     for (lane, row) in rows.iter_mut().enumerate() {
         let vector = |of: &[[f64; ABREAST]; 3]| Vec3::new(of[0][lane], of[1][lane], of[2][lane]);
         (row.dv, row.share, row.t_stop) = (vector(&dv), share[lane], t_stop[lane]);
-        (row.coming, row.coming_heat) = (vector(&coming), coming_heat[lane]);
         row.u_middle = vector(&middle);
     }
 }
@@ -188,21 +209,35 @@ fn columns<S: Simd>(vectors: &Vectors<S>) -> [[f64; ABREAST]; 3] {
 }
 
 impl Row {
-    /// Gives particle `i` its change of velocity.
-    pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize, booking: &mut Booking) {
-        let v = immersed.velocity(i);
+    /// Books the change of a particle of the velocity `v`.
+    pub fn book(&self, v: Vec3, booking: &mut Booking) {
         booking.immersed.add((self.x, v), self.m, self.dv);
         booking.kick += self.m * self.dv.dot(&(self.u_tick - self.u_middle));
-        immersed.push(i, self.dv, self.t_stop, self.rho);
-        // The gas around has changed by -eps dv.
-        immersed.hear(i, self.c, self.u_tick + (1.0 + self.eps) * self.dv);
     }
 
-    /// Books what a gas that feels no reaction would have got.
-    pub fn give_away(&self, booking: &mut Booking) {
+    /// What the particle is to know of its exchange.
+    pub fn outcome(&self) -> Outcome {
+        Outcome {
+            dv: self.dv,
+            t_stop: self.t_stop,
+            rho: self.rho,
+            c: self.c,
+            // The gas around has changed by -eps dv.
+            slip: self.u_tick + (1.0 + self.eps) * self.dv,
+        }
+    }
+
+    /// What the row gives to the gas: the reaction to its change, and its heat.
+    pub fn given(&self) -> Parcel {
+        let p = -self.m * self.dv;
+        [p.x, p.y, p.z, self.heat()]
+    }
+
+    /// Books what a gas that feels no reaction would have got from a row that had the velocity `v`.
+    pub fn give_away(&self, v: Vec3, booking: &mut Booking) {
         booking.gas.momentum -= self.m * self.dv;
         booking.gas.angular_momentum -= self.m * self.x.cross(&self.dv);
-        booking.gas.kinetic -= self.m * self.dv.dot(&self.v_gas);
+        booking.gas.kinetic -= self.m * self.dv.dot(&(v - self.u_tick));
         booking.radiated += self.heat();
     }
 

@@ -6,7 +6,7 @@ use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::{Booking, Half, Parcel, Settings, Vec3};
+use super::{Booking, Both, Half, Parcel, Settings, Vec3};
 
 const NOWHERE: u32 = u32::MAX;
 
@@ -21,8 +21,12 @@ pub struct Touched {
     /// place of each gas particle in the list; nowhere between calls
     known: Vec<u32>,
     next: Vec<u32>,
-    /// sum over the pairs by the mass of the gas particle
+    /// Sums over the pairs by the mass of the gas particle: of |w| m,
+    pub loads: Vec<[f64; 1]>,
+    /// of impulses and heat,
     pub sums: Vec<Parcel>,
+    /// and of these with those of the other half of the step.
+    both: Vec<Both>,
 }
 
 impl Touched {
@@ -59,22 +63,49 @@ impl Touched {
                 *next += 1;
             }
         }
-        self.sums.clear();
-        self.sums.resize(self.gas.len(), [0.0; 4]);
     }
 
-    /// Adds up what the blocks have spread.
-    pub fn sum(&mut self, blocks: &[Block], gas: &Gas) {
+    /// Adds up the loads that the blocks have spread.
+    pub fn sum_loads(&mut self, blocks: &[Block], gas: &Gas) {
+        let mut sums = std::mem::take(&mut self.loads);
+        self.sum(&mut sums, gas, |block, slot| [blocks[block].loads[slot]]);
+        self.loads = sums;
+    }
+
+    /// Adds up the impulses and heat that the blocks have spread.
+    pub fn sum_impulses(&mut self, blocks: &[Block], gas: &Gas) {
+        let mut sums = std::mem::take(&mut self.sums);
+        self.sum(&mut sums, gas, |block, slot| blocks[block].partial[slot]);
+        self.sums = sums;
+    }
+
+    /// Adds up those of both halves of a step.
+    pub fn sum_both(&mut self, blocks: &[Block], gas: &Gas) {
+        let mut sums = std::mem::take(&mut self.both);
+        self.sum(&mut sums, gas, |block, slot| blocks[block].both[slot]);
+        self.sums.clear();
+        let now = sums.iter().map(|&[x, y, z, e, ..]| [x, y, z, e]);
+        self.sums.extend(now);
+        self.both = sums;
+    }
+
+    /// Adds up a number of columns of all slots of a gas particle, by its mass.
+    fn sum<const N: usize>(
+        &self,
+        sums: &mut Vec<[f64; N]>,
+        gas: &Gas,
+        of: impl Fn(usize, usize) -> [f64; N] + Sync,
+    ) {
+        sums.resize(self.gas.len(), [0.0; N]);
         let (entries, start, places) = (&self.entries, &self.start, &self.gas);
-        self.sums
-            .par_iter_mut()
+        sums.par_iter_mut()
             .enumerate()
             .with_min_len(1024)
             .for_each(|(t, sum)| {
-                let mut total = [0.0; 4];
+                let mut total = [0.0; N];
                 for &(block, slot) in &entries[start[t] as usize..start[t + 1] as usize] {
-                    let part = &blocks[block as usize].partial[slot as usize];
-                    (0..4).for_each(|k| total[k] += part[k]);
+                    let part = of(block as usize, slot as usize);
+                    (0..N).for_each(|k| total[k] += part[k]);
                 }
                 let inverse = 1.0 / gas.particles.m[places[t] as usize];
                 *sum = total.map(|x| x * inverse);
@@ -84,7 +115,7 @@ impl Touched {
     /// Lets the gas know what it is to receive at the ends of steps that begin at `time`.
     pub fn expect(&self, gas: &mut Gas, blocks: &[Block], heat_share: f64, time: f64) {
         gas.expect_drag();
-        for (t, (&j, &[x, y, z, heat])) in self.gas.iter().zip(&self.sums).enumerate() {
+        for (t, (&j, &[.., x, y, z, heat])) in self.gas.iter().zip(&self.both).enumerate() {
             let entries = &self.entries[self.start[t] as usize..self.start[t + 1] as usize];
             let halves = entries
                 .iter()

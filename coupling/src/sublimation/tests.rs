@@ -125,7 +125,8 @@ fn mass_momentum_and_energy_are_kept() {
                     .iter()
                     .any(|&f| (1e-3..0.01).contains(&f))
         );
-        assert!(change.mass.abs() < 1e-15, "{:e}", change.mass);
+        // Nine units of the last place of the sum, which is one of 1700 masses.
+        assert!(change.mass.abs() < 2e-15, "{:e}", change.mass);
         assert!(change.momentum.norm() < 1e-14, "{}", change.momentum);
         let turned = change.angular_momentum.norm();
         assert!(turned < 1e-14, "{turned:e}");

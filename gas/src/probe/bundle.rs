@@ -3,6 +3,7 @@
 //! The same weights as [`super::Weights`] finds where they are exact for linear fields; it leaves all other points to that.
 
 mod tilt;
+mod weigh;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f64x8, mask64x8};
@@ -10,9 +11,9 @@ use nbody::points::{Domain, Vec3};
 
 use super::Reach;
 use super::candidates::Candidates;
-use super::near::{FIRST, Kernel, LANES, TOLERANCE, falloff};
+use super::near::{FIRST, Kernel, LANES, TOLERANCE};
 use super::weights::MOST_ABSOLUTE;
-use tilt::{Moments, Tilt, dot};
+use tilt::{Tilt, dot};
 
 /// How far beyond its last neighbourhood a point is looked around for its new one, by the radius.
 const MARGIN: f64 = 1.03;
@@ -23,22 +24,33 @@ const TRIES: usize = 4;
 /// A number for each point.
 pub type Lanes = [f64; LANES];
 
-/// The weights of points that share their gas.
+/// The weights of points that share their gas. The columns only grow: what counts of them is said beside.
 #[derive(Clone, Debug, Default)]
 pub struct Bundle {
-    /// gas particle of each row of weights
-    pub index: Vec<u32>,
-    /// a row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served
-    pub weight: Vec<Lanes>,
     /// smoothing length
     pub h: Lanes,
     /// density of the gas
     pub rho: Lanes,
-    /// places among the candidates
-    place: Vec<u32>,
-    distance: Vec<Lanes>,
+    rows: usize,
+    index: Vec<u32>,
+    /// weights by their sums
+    weight: Vec<Lanes>,
+    /// what brings the sums to one; zero for the lanes that are not served
+    norm: Lanes,
+    served: u8,
     /// coordinates of the rows
     row: Vec<[f64; 3]>,
+    near: usize,
+    /// places among the candidates, and distances, of those that are near
+    place: Vec<u32>,
+    distance: Vec<Lanes>,
+}
+
+/// Makes a column at least as long as `n`.
+fn grow<T: Copy + Default>(column: &mut Vec<T>, n: usize) {
+    if column.len() < n {
+        column.resize(n, T::default());
+    }
 }
 
 #[inline(always)]
@@ -47,6 +59,26 @@ fn lanes<S: Simd>(simd: S, values: &Lanes) -> f64x8<S> {
 }
 
 impl Bundle {
+    /// Gas particle of each row of weights.
+    pub fn index(&self) -> &[u32] {
+        &self.index[..self.rows]
+    }
+
+    /// Appends the weights, a row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served.
+    pub fn append(&self, to: &mut Vec<Lanes>) {
+        nbody::widest!(Level::new(), simd => self.append_lanes(simd, to));
+    }
+
+    #[inline(always)]
+    fn append_lanes<S: Simd>(&self, simd: S, to: &mut Vec<Lanes>) {
+        let norm = lanes(simd, &self.norm);
+        to.extend(self.weight[..self.rows].iter().map(|weight| {
+            let mut normed = [0.0; LANES];
+            (lanes(simd, weight) * norm).store_slice(&mut normed);
+            normed
+        }));
+    }
+
     /// Weights of the `points` (place, last smoothing length) from candidates that are complete within `available` of each. The lanes of those
     /// served are set in the answer; none are if together they would have more than `most` gas particles.
     pub fn fit(
@@ -71,8 +103,7 @@ impl Bundle {
         (reach, most): (&Reach, usize),
     ) -> u8 {
         let kernel = Kernel::new(domain);
-        self.index.clear();
-        self.weight.clear();
+        self.rows = 0;
         let (mut x, mut start) = ([[0.0; LANES]; 3], [0.0; LANES]);
         for lane in 0..LANES {
             // Lanes to spare repeat the last point.
@@ -96,8 +127,9 @@ impl Bundle {
         let h = lanes(simd, &self.h);
         let (tilt, regular) = Tilt::of(simd, domain, h, &x, &moments);
         found &= regular;
-        found &= self.apply(simd, &tilt, moments.zeroth, found);
-        found & (0xff >> (LANES - points.len()))
+        found &= 0xff >> (LANES - points.len());
+        self.apply(simd, &tilt, moments.zeroth, found);
+        self.served
     }
 
     /// Lists the candidates within `available` of the box around the points; false if there are more than `most`.
@@ -116,10 +148,7 @@ impl Bundle {
             let ends = (f64::INFINITY, f64::NEG_INFINITY);
             x.iter().fold(ends, |(lo, hi), &x| (lo.min(x), hi.max(x)))
         });
-        let room = candidates.x.len() + LANES;
-        if self.place.len() < room {
-            self.place.resize(room, 0);
-        }
+        grow(&mut self.place, candidates.x.len() + LANES);
         let mut near = 0;
         let [xs, ys, zs] = columns;
         for (c, ((x, y), z)) in xs.iter().zip(ys).zip(zs).enumerate() {
@@ -137,14 +166,14 @@ impl Bundle {
             }
             near += inside.count_ones() as usize;
         }
-        self.place.truncate(near);
+        self.near = near;
         (1..=most).contains(&near)
     }
 
     #[inline(always)]
     fn distances<S: Simd>(&mut self, candidates: &Candidates, x: &[f64x8<S>; 3]) {
-        self.distance.resize(self.place.len(), [0.0; LANES]);
-        for (distance, &k) in self.distance.iter_mut().zip(&self.place) {
+        grow(&mut self.distance, self.near);
+        for (distance, &k) in self.distance.iter_mut().zip(&self.place[..self.near]) {
             let [px, py, pz] = candidates.place(k as usize);
             let r = [x[0] - px, x[1] - py, x[2] - pz];
             dot(&r, &r).sqrt().store_slice(distance);
@@ -165,7 +194,7 @@ impl Bundle {
             let inverse = f64x8::splat(simd, 1.0) / radius;
             let none = f64x8::splat(simd, 0.0);
             let (mut value, mut slope) = (none, none);
-            for distance in &self.distance {
+            for distance in &self.distance[..self.near] {
                 let q = lanes(simd, distance) * inverse;
                 let t = (-q + 1.0).max(0.0);
                 let t3 = t * t * t;
@@ -186,72 +215,18 @@ impl Bundle {
         (radius, found as u8)
     }
 
-    /// Lists the gas that is inside of any kernel, with W V / W(0) as weights.
+    /// Tilts the weights of the lanes `found`, and keeps those whose weights are not too negative.
     #[inline(always)]
-    fn weigh<S: Simd>(
-        &mut self,
-        simd: S,
-        candidates: &Candidates,
-        kernel: Kernel,
-        x: &[f64x8<S>; 3],
-        radius: f64x8<S>,
-    ) -> Moments<S> {
+    fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, found: u8) {
         let none = f64x8::splat(simd, 0.0);
-        let mut sums = Moments {
-            zeroth: none,
-            first: [none; 3],
-            second: [none; 6],
-        };
-        let count = self.place.len();
-        self.index.resize(count, 0);
-        self.weight.resize(count, [0.0; LANES]);
-        self.row.resize(count, [0.0; 3]);
-        let inverse = f64x8::splat(simd, 1.0) / radius;
-        let (mut n, mut mass) = (0, none);
-        for (distance, &k) in self.distance.iter().zip(&self.place) {
-            let near = candidates.at(k as usize);
-            let q = lanes(simd, distance) * inverse;
-            let fall = falloff(q);
-            let w = fall * near.volume;
-            mass = fall.mul_add(near.m, mass);
-            let r = [-x[0] + near.x, -x[1] + near.y, -x[2] + near.z];
-            let wr = [w * r[0], w * r[1], w * r[2]];
-            sums.zeroth += w;
-            for axis in 0..3 {
-                sums.first[axis] += wr[axis];
-                sums.second[axis] = wr[axis].mul_add(r[axis], sums.second[axis]);
-            }
-            for (pair, (a, b)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-                sums.second[3 + pair] = wr[a].mul_add(r[b], sums.second[3 + pair]);
-            }
-            // Written always, kept when inside: no branch to mispredict.
-            w.store_slice(&mut self.weight[n]);
-            self.index[n] = near.index;
-            self.row[n] = [near.x, near.y, near.z];
-            n += usize::from(q.simd_lt(1.0).to_bitmask() != 0);
-        }
-        self.index.truncate(n);
-        self.weight.truncate(n);
-        self.row.truncate(n);
-        let mut rho = [0.0; LANES];
-        let mut r = [0.0; LANES];
-        mass.store_slice(&mut rho);
-        radius.store_slice(&mut r);
-        for (rho, r) in rho.iter_mut().zip(r) {
-            *rho *= kernel.peak(r);
-        }
-        self.rho = rho;
-        sums
-    }
-
-    /// Tilts the weights of the lanes `served` and brings their sums to one; the others become zero, and those whose weights are too negative.
-    #[inline(always)]
-    fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, served: u8) -> u8 {
-        let none = f64x8::splat(simd, 0.0);
+        let mask = |set: u8| mask64x8::from_bitmask(simd, u64::from(set));
+        // The others may have no numbers at all.
+        let found_lanes = mask(found);
+        let level = found_lanes.select(tilt.level, none);
+        let [sx, sy, sz] = tilt.slope.map(|s| found_lanes.select(s, none));
         let (mut total, mut absolute) = (none, none);
-        for (weight, row) in self.weight.iter_mut().zip(&self.row) {
-            let [sx, sy, sz] = tilt.slope;
-            let factor = sx.mul_add(f64x8::splat(simd, row[0]), tilt.level);
+        for (weight, row) in self.weight[..self.rows].iter_mut().zip(&self.row) {
+            let factor = sx.mul_add(f64x8::splat(simd, row[0]), level);
             let factor = sy.mul_add(f64x8::splat(simd, row[1]), factor);
             let factor = sz.mul_add(f64x8::splat(simd, row[2]), factor);
             let w = lanes(simd, weight) * factor;
@@ -259,14 +234,11 @@ impl Bundle {
             total += w;
             absolute += w.abs();
         }
-        let kept = served & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
-        let mask = mask64x8::from_bitmask(simd, u64::from(kept));
+        self.served = found & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
         let norm = f64x8::splat(simd, 1.0) / total;
-        for weight in &mut self.weight {
-            mask.select(lanes(simd, weight) * norm, none)
-                .store_slice(weight);
-        }
-        kept
+        mask(self.served)
+            .select(norm, none)
+            .store_slice(&mut self.norm);
     }
 }
 

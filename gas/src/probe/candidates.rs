@@ -51,6 +51,12 @@ impl Candidates {
         }
     }
 
+    /// Mass of the candidate at place k.
+    #[inline(always)]
+    pub(super) fn mass(&self, k: usize) -> f64 {
+        self.mass[k][0]
+    }
+
     /// Coordinates of the candidate at place k.
     #[inline(always)]
     pub(super) fn place(&self, k: usize) -> [f64; 3] {

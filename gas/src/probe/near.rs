@@ -7,10 +7,12 @@ use nbody::points::{Domain, Vec3};
 
 use super::candidates::Candidates;
 
-/// Radius of the Wendland C2 kernel by twice its standard deviation, (volume of the unit sphere) times W(0) H^d, and d.
+/// Radius of the Wendland C2 kernel by twice its standard deviation, that of the kernel of the weights by it, (volume of the unit sphere) times
+/// W(0) H^d, and d.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kernel {
     pub ratio: f64,
+    pub near: f64,
     pub central: f64,
     dimensions: i32,
 }
@@ -20,12 +22,14 @@ impl Kernel {
         if domain.dimensions() == 2 {
             Self {
                 ratio: 1.897_366_596_101_027_6,
+                near: 0.745_355_992_499_929_9,
                 central: 7.0,
                 dimensions: 2,
             }
         } else {
             Self {
                 ratio: 1.936_491_673_103_708_4,
+                near: 0.774_596_669_241_483_4,
                 central: 14.0,
                 dimensions: 3,
             }
@@ -52,6 +56,13 @@ pub(super) fn falloff<S: Simd>(q: f64x8<S>) -> f64x8<S> {
     let t = (-q + 1.0).max(0.0);
     let t2 = t * t;
     t2 * t2 * q.mul_add(4.0, 1.0)
+}
+
+/// The kernel of the weights, (1 - q^2)^2 by q = r / R, by q^2.
+#[inline(always)]
+pub(super) fn hold<S: Simd>(square: f64x8<S>) -> f64x8<S> {
+    let t = (-square + 1.0).max(0.0);
+    t * t
 }
 
 /// Factor of a radius by Newton's method in logarithms, from the smooth number and its derivative by ln(radius).
@@ -143,12 +154,23 @@ impl Near {
             .take(self.count)
     }
 
-    /// W / W(0) of those kept, filled up to whole lanes with zeros.
+    /// W / W(0) of those kept, and the kernel of the weights, filled up to whole lanes with zeros.
     #[inline(always)]
-    pub fn falloffs<S: Simd>(&self, simd: S, inverse_radius: f64, to: &mut [f64]) {
-        let to = to.as_chunks_mut::<LANES>().0;
-        for (lanes, to) in self.distance.as_chunks::<LANES>().0.iter().zip(to) {
-            falloff(f64x8::from_slice(simd, lanes) * inverse_radius).store_slice(to);
+    pub fn falloffs<S: Simd>(
+        &self,
+        simd: S,
+        kernel: Kernel,
+        inverse_radius: f64,
+        [fall, held]: [&mut [f64]; 2],
+    ) {
+        let fall = fall.as_chunks_mut::<LANES>().0;
+        let held = held.as_chunks_mut::<LANES>().0;
+        let lanes = self.distance.as_chunks::<LANES>().0;
+        for (lanes, (fall, held)) in lanes.iter().zip(fall.iter_mut().zip(held)) {
+            let q = f64x8::from_slice(simd, lanes) * inverse_radius;
+            falloff(q).store_slice(fall);
+            let s = q * (1.0 / kernel.near);
+            hold(s * s).store_slice(held);
         }
     }
 

@@ -181,13 +181,15 @@ fn a_bundle_finds_the_weights_that_its_points_have_by_themselves() {
     let (mut bundle, mut weights) = (Bundle::default(), Weights::default());
     let served = bundle.fit(&candidates, &domain, &points, 0.3, (&REACH, 4000));
     assert_eq!(served, 0b11_1111);
-    assert!(bundle.weight.iter().all(|w| w[6] == 0.0 && w[7] == 0.0));
+    let mut weight = Vec::new();
+    bundle.append(&mut weight);
+    assert!(weight.iter().all(|w| w[6] == 0.0 && w[7] == 0.0));
     for (lane, &point) in points[..6].iter().enumerate() {
         weights.find(&mut own, &gas, &domain, point, &REACH);
         // Newton's method ends where the number is right to 1e-6.
         assert!((bundle.h[lane] / weights.h - 1.0).abs() < 1e-6);
         assert!((bundle.rho[lane] / weights.rho - 1.0).abs() < 1e-6);
-        let pairs = || bundle.index.iter().zip(&bundle.weight);
+        let pairs = || bundle.index().iter().zip(&weight);
         let sum: f64 = pairs().map(|(_, w)| w[lane]).sum();
         let field = |j: usize| linear(gas.particles.x[j]);
         let seen: Vec3 = pairs().map(|(&j, w)| w[lane] * field(j as usize)).sum();

@@ -1,8 +1,10 @@
 //! Weights: how much each gas neighbour counts at a point.
 //!
-//! w_j = W_j V_j (A + B.r_j), r_j = x_j - x, V = m/rho, with A and B such that sum w = 1 and sum w r = 0: exact for linear fields, and an
+//! w_j = K_j V_j (A + B.r_j), r_j = x_j - x, V = m/rho, with A and B such that sum w = 1 and sum w r = 0: exact for linear fields, and an
 //! impulse -w_j J against an impulse J at the point leaves momentum and angular momentum unchanged.
-//! Where that would need weights below -0.05 in sum (the point is at an edge of the gas): w_j = W_j V_j normalised, and the field is
+//! K = (1 - (r/R)^2)^2 has the standard deviation of the kernel W of the density, h/2, which makes R 1.5 h (sqrt(2) h in two dimensions): it blurs as
+//! much as W does, with half the neighbours, whose outer half have together one part in a hundred of the weight.
+//! Where that would need weights below -0.05 in sum (the point is at an edge of the gas): w_j = K_j V_j normalised, and the field is
 //! continued from the neighbours' centre b = sum w r by their rigid rotation, f(x) = sum w f - Omega x b,
 //! Omega = I^-1 sum w s x f, s = r - b, I = sum w (s^2 1 - s s); the impulse to j is -w_j (J - (I^-1 (b x J)) x s_j), the adjoint of that.
 //! Where even I is singular: the normalised weights alone; then angular momentum is not kept.
@@ -50,6 +52,8 @@ pub struct Weights {
     /// bound on |impulse to j| / (w_j |J|)
     pub gain: f64,
     near: Near,
+    /// W / W(0)
+    fall: Vec<f64>,
     relative: [Vec<f64>; 3],
 }
 
@@ -139,6 +143,9 @@ impl Weights {
         let count = self.weigh(simd, candidates, kernel, x, radius);
         if count > 0 {
             self.correct(simd, domain);
+        } else {
+            // What is near the edge of the larger kernel alone is no gas.
+            self.rho = 0.0;
         }
         let count = if self.shape == Shape::Empty { 0 } else { count };
         self.index.truncate(count);
@@ -158,8 +165,8 @@ impl Weights {
         self.relative.iter_mut().for_each(Vec::clear);
     }
 
-    /// Lists the neighbours within `radius` with W V / W(0) as weight, and sums the density. The columns are filled up to whole lanes
-    /// with zeros; returns how many are neighbours.
+    /// Lists the neighbours with K V as weight, and sums the density within `radius`. The columns are filled up to whole lanes with zeros;
+    /// returns how many are neighbours.
     #[inline(always)]
     fn weigh<S: Simd>(
         &mut self,
@@ -172,24 +179,26 @@ impl Weights {
         let most = self.near.len() + LANES;
         self.index.resize(most, 0);
         self.weight.resize(most, 0.0);
+        self.fall.resize(most, 0.0);
         self.relative.iter_mut().for_each(|r| r.resize(most, 0.0));
         let [rx, ry, rz] = &mut self.relative;
         let (rx, ry, rz) = (&mut rx[..most], &mut ry[..most], &mut rz[..most]);
         let (weight, index) = (&mut self.weight[..most], &mut self.index[..most]);
         let inverse = 1.0 / radius;
-        self.near.falloffs(simd, inverse, weight);
+        let fall = &mut self.fall[..most];
+        self.near.falloffs(simd, kernel, inverse, [fall, weight]);
         let (mut n, mut mass) = (0, 0.0);
         for (i, (q, k)) in self.near.kept(inverse).enumerate() {
             let w = weight[i];
             let near = candidates.at(k as usize);
-            mass += near.m * w;
+            mass += near.m * fall[i];
             // Written always, kept when inside: no branch to mispredict.
             weight[n] = w * near.volume;
             index[n] = near.index;
             rx[n] = near.x - x.x;
             ry[n] = near.y - x.y;
             rz[n] = near.z - x.z;
-            n += usize::from(q < 1.0);
+            n += usize::from(q < kernel.near);
         }
         let filled = n.next_multiple_of(LANES);
         for column in [&mut *weight, rx, ry, rz] {
