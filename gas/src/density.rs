@@ -211,7 +211,7 @@ impl Gas {
             self.derived.correction.resize(n, Vec3::zeros());
             self.derived.correction_off.resize(n, Vec3::zeros());
         }
-        if hydro.viscous_stress() {
+        if hydro.viscous_stress() || hydro.reconstructs() {
             self.derived.stress.resize(n, Vec3::zeros());
             self.derived.stress_off.resize(n, Vec3::zeros());
         }

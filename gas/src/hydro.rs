@@ -5,7 +5,7 @@ use nbody::points::Domain;
 use crate::kernel::unit_sphere;
 use crate::{
     BackgroundPressure, Conduction, Eos, Formulation, Gradient, KernelKind, Physical, Precision,
-    Viscosity,
+    Reconstruction, Viscosity,
 };
 
 /// The limiter of gas whose steps heed no neighbour: to show what that costs.
@@ -34,6 +34,7 @@ pub struct Hydro {
     pub largest_h: f64,
     pub eos: Eos,
     pub viscosity: Viscosity,
+    pub reconstruction: Reconstruction,
     pub physical: Physical,
     /// Without effect on gas that is bound to a temperature.
     pub conduction: Conduction,
@@ -68,6 +69,7 @@ impl Hydro {
                 alpha: 0.7,
                 beta: 2.0,
             },
+            reconstruction: Reconstruction::None,
             physical: Physical::None,
             conduction: Conduction::NONE,
             background_pressure: BackgroundPressure::NONE,
@@ -148,6 +150,12 @@ impl Hydro {
                 "\"matrix\" weighs by pressures, which may be negative in this equation of state; allowed there is \"standard\"",
             ));
         }
+        if self.reconstructs() && self.stressed() {
+            return Some((
+                "viscosity.reconstruction",
+                "\"linear\" is of viscosities between pairs beside which no particle has a stress: it goes with \"constant\", \"balsara\", \"cullen-dehnen\" and \"planar-switch\" where gradient = \"standard\" and no physical viscosity acts",
+            ));
+        }
         match self.formulation {
             Formulation::Smoothed if self.gradient == Gradient::Matrix => Some((
                 "hydro.gradient",
@@ -185,9 +193,19 @@ impl Hydro {
         }
     }
 
+    /// Whether they bring the strain of the flow about them.
+    pub(crate) fn reconstructs(&self) -> bool {
+        self.reconstruction == Reconstruction::Linear && self.viscosity.parameters().is_some()
+    }
+
+    /// Whether tensors of the flow are wanted.
+    pub(crate) fn wants_tensor(&self) -> bool {
+        self.stressed() || self.reconstructs() || self.viscosity.heeds_strain()
+    }
+
     /// Whether the linear-exact gradient of the velocity is wanted.
     pub(crate) fn wants_gradient(&self) -> bool {
-        self.viscosity.remembers() || self.viscosity.heeds_strain() || self.stressed()
+        self.viscosity.remembers() || self.wants_tensor()
     }
 
     /// Whether what a particle brings into pairs follows from its mass and sound speed.
@@ -197,7 +215,12 @@ impl Hydro {
         let shifted = self.formulation == Formulation::Pressure
             && self.background_pressure.is_some()
             && self.conducts();
-        !(self.stressed() || zeta || smoothed || shifted || self.solves_pressure())
+        !(self.stressed()
+            || self.reconstructs()
+            || zeta
+            || smoothed
+            || shifted
+            || self.solves_pressure())
     }
 
     /// Kernel support by smoothing length, H / h.

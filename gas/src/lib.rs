@@ -44,4 +44,5 @@ pub use timestep::Heat;
 pub use totals::Totals;
 pub use viscosity::Viscosity;
 pub use viscosity::physical::Physical;
+pub use viscosity::reconstruction::Reconstruction;
 pub use workspace::Precision;

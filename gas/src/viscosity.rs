@@ -5,12 +5,15 @@
 //! with alpha, c, rho and h the means of the pair; alpha_i is the column `alpha`, and beta follows it in a fixed ratio.
 //! Sources: Monaghan & Gingold (1983), Monaghan (1992); switches: Balsara (1995), and [`cullen_dehnen`].
 //!
+//! What counts as approach is as [`reconstruction`] says.
+//!
 //! Others give each particle a [`stress`] of its own: [`neumann_richtmyer`], [`tensor`] and [`planar`].
 
 pub mod cullen_dehnen;
 pub mod neumann_richtmyer;
 pub mod physical;
 pub mod planar;
+pub mod reconstruction;
 pub mod stress;
 pub mod tensor;
 

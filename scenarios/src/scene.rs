@@ -14,7 +14,8 @@ mod growth;
 pub use self::dust::{Composition, Dust, DustAmount, DustBlock, DustDrag, Sizes, Turbulence};
 pub use self::growth::{Collisional, ExactKernel, GrainMotion, Growth};
 pub use gas::{
-    BackgroundPressure, Formulation, Gradient, KernelKind, Physical, Precision, Viscosity,
+    BackgroundPressure, Formulation, Gradient, KernelKind, Physical, Precision, Reconstruction,
+    Viscosity,
 };
 use nbody::integrators::wisdom_holman::jacobi::Scheme;
 use nbody::points::{Domain, Vec3};
@@ -113,6 +114,7 @@ pub struct Gas {
     pub edge: Option<Edge>,
     pub hydro: Hydro,
     pub viscosity: Viscosity,
+    pub reconstruction: Reconstruction,
     pub physical: Physical,
     /// alpha of the conduction; none if zero.
     pub conduction: f64,

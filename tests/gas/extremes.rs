@@ -3,7 +3,9 @@
 //! Momentum is judged by the sum of the moduli of all momenta (of the speeds that the energy could give, where gas begins at rest), energy by
 //! all of it, which the leapfrog keeps to the order of its steps.
 
-use gas::{Eos, Formulation, Gas, Gradient, Hydro, Particles, Precision, Viscosity, alone};
+use gas::{
+    Eos, Formulation, Gas, Gradient, Hydro, Particles, Precision, Reconstruction, Viscosity, alone,
+};
 use nbody::points::{Columns, Domain, Vec3};
 
 /// How gas begins, and for how long it is followed.
@@ -43,9 +45,10 @@ fn cube() -> Vec<Vec3> {
     lattice([8; 3])
 }
 
-fn viscosities() -> [Viscosity; 8] {
+/// Viscosities by how they take the velocities of a pair.
+fn viscosities() -> Vec<(Viscosity, Reconstruction)> {
     let (alpha, beta) = (1.0, 2.0);
-    [
+    let as_they_are = [
         Viscosity::None,
         Viscosity::Constant { alpha, beta },
         Viscosity::Balsara { alpha, beta },
@@ -54,7 +57,14 @@ fn viscosities() -> [Viscosity; 8] {
         Viscosity::Tensor { alpha, beta },
         Viscosity::Planar { alpha, beta },
         Viscosity::PlanarSwitch { alpha, beta },
-    ]
+    ];
+    let followed = [
+        Viscosity::Constant { alpha, beta },
+        Viscosity::Balsara { alpha, beta },
+    ];
+    let as_they_are = as_they_are.map(|kind| (kind, Reconstruction::None));
+    let followed = followed.map(|kind| (kind, Reconstruction::Linear));
+    [as_they_are.as_slice(), &followed].concat()
 }
 
 /// Energy, momentum and the sum of its moduli.
@@ -93,11 +103,12 @@ fn stands(case: &Case, bar: f64, does: fn(&Hydro) -> bool) {
     let mut failures = Vec::new();
     let mut worst = [0.0f64; 2];
     for formulation in Formulation::ALL {
-        for viscosity in viscosities() {
+        for (viscosity, reconstruction) in viscosities() {
             for gradient in [Gradient::Standard, Gradient::Matrix] {
                 let hydro = Hydro {
                     formulation,
                     viscosity,
+                    reconstruction,
                     gradient,
                     precision: Precision::Single,
                     ..Hydro::new(case.domain, Eos::Ideal { gamma: 5.0 / 3.0 })
@@ -106,13 +117,15 @@ fn stands(case: &Case, bar: f64, does: fn(&Hydro) -> bool) {
                     continue;
                 }
                 let outcome = outcome(case, &hydro);
-                println!("{formulation:?}, {viscosity:?}, {gradient:?}: {outcome:?}");
+                println!(
+                    "{formulation:?}, {viscosity:?}, {reconstruction:?}, {gradient:?}: {outcome:?}"
+                );
                 let [momentum, energy] = outcome.clone().unwrap_or([f64::INFINITY; 2]);
                 worst = [worst[0].max(momentum), worst[1].max(energy)];
                 // Forces of a pair are opposite to the last bit where both have the same step.
                 if !(momentum < 1e-13 && energy < bar) {
                     failures.push(format!(
-                        "{formulation:?}, {viscosity:?}, {gradient:?}: {outcome:?}"
+                        "{formulation:?}, {viscosity:?}, {reconstruction:?}, {gradient:?}: {outcome:?}"
                     ));
                 }
             }

@@ -75,7 +75,7 @@ impl Law {
             kernel,
             formulation: hydro.formulation,
             grad_h: hydro.grad_h && hydro.gradient == Gradient::Standard,
-            wants_tensor: hydro.stressed() || hydro.viscosity.heeds_strain(),
+            wants_tensor: hydro.wants_tensor(),
             weighs_contents: hydro.stressed() && !hydro.stress_by_mass(),
             d: d as f64,
             wanted: hydro.neighbours,

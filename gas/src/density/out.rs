@@ -134,7 +134,7 @@ impl<'a> Out<'a> {
             h: reach * self.h_by_reach,
         };
         let mut v_sig = local.v_sig * self.velocity;
-        let alpha = if self.hydro.stressed() || self.hydro.viscosity.heeds_strain() {
+        let alpha = if self.hydro.wants_tensor() {
             self.stress(i, local, (flow, rho, reach), &mut v_sig)
         } else {
             self.alpha(i, local, flow, reach)
@@ -278,7 +278,7 @@ impl<'a> Out<'a> {
         -y * reach.powi(d as i32 + 2) / hydro.kernel.norm(d)
     }
 
-    /// Writes what particle i brings into pairs as a stress; returns its alpha, and adds to `v_sig` what shortens its steps.
+    /// Writes what particle i brings into pairs as a tensor; returns its alpha, and adds to `v_sig` what shortens its steps.
     fn stress(
         &self,
         i: usize,
@@ -302,6 +302,10 @@ impl<'a> Out<'a> {
         }
         if hydro.stressed() {
             self.write_matrix(&self.columns.correction, i, &self.correction(local, reach));
+        }
+        if hydro.reconstructs() {
+            let strain = 0.5 * (place.gradient + place.gradient.transpose());
+            self.write_matrix(&self.columns.stress, i, &strain);
         }
         if hydro.viscous_stress() {
             self.write_matrix(&self.columns.stress, i, &stress);

@@ -121,7 +121,7 @@ impl Pack<'_> {
         );
         let (rho, specific) = self.states.state(i);
         let content = self.states.content(i, m, rho);
-        let mut stress = Matrix3::zeros();
+        let mut tensor = Matrix3::zeros();
         if hydro.stressed() {
             let power = hydro.dimensions() as i32;
             let matrix = |diagonal: &[Vec3], off: &[Vec3]| symmetric(diagonal[i], off[i]);
@@ -141,10 +141,14 @@ impl Pack<'_> {
             };
             let correction = matrix(&derived.correction, &derived.correction_off);
             let scale = self.states.flux.norm / reach.abs().powi(power + 2) * x / (y * y);
-            stress = q * correction * scale;
+            tensor = q * correction * scale;
+        }
+        if hydro.reconstructs() {
+            let strain = symmetric(derived.stress[i], derived.stress_off[i]);
+            tensor = strain * (units.length / units.velocity);
         }
         let u = self.u[i] / speed2;
-        let s = |a: usize, b: usize| E::from_f64(stress[(a, b)]);
+        let s = |a: usize, b: usize| E::from_f64(tensor[(a, b)]);
         let last = [content, u, specific * rho].map(E::from_f64);
         (
             reach,

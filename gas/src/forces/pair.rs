@@ -7,12 +7,13 @@ use fearless_simd::{Simd, SimdBase, SimdFloat};
 use super::sweep::Grid;
 use crate::conduction::Contrast;
 use crate::lanes::{Lanes, Machine, Quad, Real, same};
+use crate::viscosity::reconstruction;
 use crate::{Formulation, Hydro, KernelKind};
 
 /// Quads of a row: coordinates on the grid and mass; velocity and g; H, push, density, sound speed; alpha, age and steps.
 pub const QUADS: usize = 4;
 
-/// Quads of a row where particles bring more: the nine components of a stress that is applied to separations; content, u and P.
+/// Quads of a row where particles bring more: the nine components of a tensor that is applied to separations; content, u and P.
 pub const MORE: usize = 7;
 
 /// Columns of some rows; those that are not there are zero.
@@ -37,8 +38,9 @@ pub struct Member<S: Simd, E: Real> {
     pub p: Lanes<S, E>,
     pub rho: Lanes<S, E>,
     pub cs: Lanes<S, E>,
-    /// Rows of the stress times the correction of gradients, the particle's content and the factor of the kernel's slope, by y^2.
-    pub stress: [[Lanes<S, E>; 3]; 3],
+    /// Rows of the stress times the correction of gradients, the particle's content and the factor of the kernel's slope, by y^2; or of
+    /// the strain, where velocities are reconstructed.
+    pub tensor: [[Lanes<S, E>; 3]; 3],
     pub u: Lanes<S, E>,
     pub alpha: Lanes<S, E>,
     /// Ticks since the present step began, its planned span, and the next one's.
@@ -82,7 +84,7 @@ impl<S: Simd, E: Real> Member<S, E> {
             p,
             rho,
             cs,
-            stress: [[b[0], b[1], b[2]], [b[3], c[0], c[1]], [c[2], c[3], e[0]]],
+            tensor: [[b[0], b[1], b[2]], [b[3], c[0], c[1]], [c[2], c[3], e[0]]],
             u: e[2],
             alpha,
             age,
@@ -143,6 +145,14 @@ fn dot<S: Simd, E: Real>(a: &[Lanes<S, E>; 3], b: &[Lanes<S, E>; 3]) -> Lanes<S,
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
+/// d . T d of a tensor of these rows; the same to the last bit when d is reversed.
+#[inline(always)]
+fn stretch<S: Simd, E: Real>(rows: &[[Lanes<S, E>; 3]; 3], d: &[Lanes<S, E>; 3]) -> Lanes<S, E> {
+    let [x, y, z] = rows;
+    let turned = [dot::<S, E>(x, d), dot::<S, E>(y, d), dot::<S, E>(z, d)];
+    dot::<S, E>(&turned, d)
+}
+
 /// Pressure, viscosity and conduction of a pair.
 #[derive(Clone, Copy)]
 pub struct Flux {
@@ -152,6 +162,8 @@ pub struct Flux {
     /// Whether what particles bring follows from mass and sound speed, and whether they bring a stress: branches that are always the same way.
     pub plain: bool,
     pub stressed: bool,
+    /// Whether they bring the strain that velocities are reconstructed by.
+    pub reconstructs: bool,
     /// Whether that acts on masses.
     by_mass: bool,
     /// Whether heat is conducted: a branch that is always the same way.
@@ -175,6 +187,7 @@ impl Flux {
             three: d == 3,
             plain: hydro.plain(),
             stressed: hydro.stressed(),
+            reconstructs: hydro.reconstructs(),
             by_mass: hydro.stress_by_mass(),
             conducts: hydro.conducts(),
             kernel: hydro.kernel,
@@ -197,6 +210,7 @@ impl Flux {
         Self {
             plain,
             stressed: !plain && self.stressed,
+            reconstructs: !plain && self.reconstructs,
             ..*self
         }
     }
@@ -223,7 +237,15 @@ impl Flux {
         let spread = (h * h).mul_add(constant(0.01), pair.r2);
         // Both divisions in one: mu = h approach / spread, and 1 / rho.
         let inverse = R::reciprocal(simd, spread * rho);
-        let mu = h * pair.approach.min(zero) * (rho * inverse);
+        let mut approach = pair.approach;
+        if self.reconstructs {
+            let expected = [&a.tensor, &b.tensor].map(
+                #[inline(always)]
+                |strain| stretch::<S, E>(strain, &pair.d),
+            );
+            approach = reconstruction::left::<S, E>(simd, approach, expected);
+        }
+        let mu = h * approach.min(zero) * (rho * inverse);
         let alpha = (a.alpha + b.alpha) * half;
         let speed = (a.cs + b.cs) * half;
         let strength = alpha * mu * (mu * constant(self.beta_ratio) - speed);
@@ -257,7 +279,7 @@ impl Flux {
                 (b.content * slope_a, a.content * slope_b)
             };
             for ((force, dv), (row_a, row_b)) in
-                (force.iter_mut().zip(pair.dv)).zip(a.stress.iter().zip(&b.stress))
+                (force.iter_mut().zip(pair.dv)).zip(a.tensor.iter().zip(&b.tensor))
             {
                 let own = own * dot::<S, E>(row_a, &pair.d);
                 let both = own + other * dot::<S, E>(row_b, &pair.d);

@@ -5,8 +5,8 @@ use nbody::points::{Columns, Domain, Vec3};
 use super::*;
 use crate::samples::{GAMMA, hydro, lattice, noisy, still};
 use crate::{
-    BackgroundPressure, Conduction, Formulation, Gradient, Kernel, KernelKind, Physical, Viscosity,
-    WendlandC2,
+    BackgroundPressure, Conduction, Formulation, Gradient, Kernel, KernelKind, Physical,
+    Reconstruction, Viscosity, WendlandC2,
 };
 
 const NOW: Clock = Clock::standing(0.0);
@@ -78,6 +78,13 @@ fn more_settings(domain: Domain) -> Vec<Hydro> {
                     exponent: 0.3,
                     ..hydro.clone()
                 };
+                let followed = Hydro {
+                    reconstruction: Reconstruction::Linear,
+                    ..hydro.clone()
+                };
+                if followed.clashing().is_none() {
+                    all.push(followed);
+                }
                 all.extend([hydro, corrected, physical]);
             }
         }
@@ -208,6 +215,59 @@ fn viscosity_heats_and_only_when_gas_approaches() {
     let without = [heating(&hydro, -1.0), heating(&hydro, 1.0)];
     assert!(with[0] > 1.05 * without[0]);
     assert!((with[1] / without[1] - 1.0).abs() < 1e-14);
+}
+
+/// Viscous heating of the inner part of a cube of noisy gas at these velocities, two kernels away from its walls.
+fn viscous_heat(hydro: &Hydro, velocity: impl Fn(Vec3) -> Vec3) -> f64 {
+    let heat = |viscosity| {
+        let hydro = Hydro {
+            viscosity,
+            ..hydro.clone()
+        };
+        let mut gas = noisy(&hydro.domain, 16, 0.1);
+        for i in 0..gas.len() {
+            gas.rates.v_pred[i] = velocity(gas.particles.x[i] - Vec3::repeat(0.5));
+        }
+        let gas = pushed(gas, &hydro);
+        let inner = |i: &usize| (gas.particles.x[*i] - Vec3::repeat(0.5)).amax() < 0.15;
+        let heats = (0..gas.len()).filter(inner);
+        heats
+            .map(|i| gas.particles.m[i] * gas.rates.du[i])
+            .sum::<f64>()
+    };
+    heat(hydro.viscosity) - heat(Viscosity::None)
+}
+
+#[test]
+fn linear_reconstruction_spares_even_flow_and_leaves_shocks() {
+    for precision in [Precision::Double, Precision::Single] {
+        let [plain, linear] = [Reconstruction::None, Reconstruction::Linear].map(|kind| Hydro {
+            reconstruction: kind,
+            precision,
+            ..hydro(Domain::periodic(Vec3::repeat(1.0)))
+        });
+        let even: [fn(Vec3) -> Vec3; 3] = [
+            |x| -x,
+            |x| Vec3::new(-30.0 * x.x, 0.0, 0.0),
+            // Shear, and convergence along an oblique axis.
+            |x| Vec3::new(-3.0 * x.x - 2.0 * x.y, 5.0 * x.x, 0.0),
+        ];
+        for velocity in even {
+            let [with, without] = [&linear, &plain].map(|hydro| viscous_heat(hydro, velocity));
+            // To the rounding of velocities on their grid.
+            assert!(
+                without > 0.0 && with.abs() < 1e-5 * without,
+                "{with} {without}"
+            );
+        }
+        let shock = |x: Vec3| Vec3::new(-3.0 * x.x.signum(), 0.0, 0.0);
+        let [with, without] = [&linear, &plain].map(|hydro| viscous_heat(hydro, shock));
+        println!(
+            "{precision:?}: {} of a shock's heat are left",
+            with / without
+        );
+        assert!(with < without && with > 0.3 * without, "{with} {without}");
+    }
 }
 
 /// Gas at rest and in pressure equilibrium across a contact in a plane, particles spaced 1 : `ratio`, densities `contrast` : 1.

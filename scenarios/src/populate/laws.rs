@@ -57,6 +57,7 @@ pub fn hydro(scene: &Scene, gas: &scene::Gas) -> Hydro {
         grad_h: gas.hydro.grad_h,
         gradient: gas.hydro.gradient,
         viscosity: gas.viscosity,
+        reconstruction: gas.reconstruction,
         physical: gas.physical,
         conduction: Conduction {
             alpha: gas.conduction,

@@ -3,7 +3,7 @@
 use gas::rearrangement::{Continuity, Order};
 use nbody::points::Vec3;
 
-use gas::{BackgroundPressure, KernelKind};
+use gas::{BackgroundPressure, KernelKind, Reconstruction};
 
 use super::Facts;
 use super::cooling::cooling;
@@ -35,7 +35,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         section.wrong("", "needs [gas.disk], [[gas.block]] or an initial.file");
     }
     let conduction = conduction(&section, &eos);
-    let (viscosity, physical) = viscosity(&section, facts);
+    let (viscosity, reconstruction, physical) = viscosity(&section, facts);
     let cooling = cooling(&section, facts, &eos);
     let gas = Gas {
         particles: disk_particles(&section, "gas.disk", disk.is_some() || section.has("disk")),
@@ -48,6 +48,7 @@ pub fn gas(root: &Section<'_>, facts: &Facts) -> Option<Gas> {
         edge: edge(&section, facts, disk.as_ref()),
         hydro: hydro(&section, facts),
         viscosity,
+        reconstruction,
         physical,
         conduction,
         rearrange: rearrangement(&section),
@@ -321,6 +322,12 @@ pub const GRADIENTS: [(&str, Gradient); 2] = [
     ("matrix", Gradient::Matrix),
 ];
 
+/// Reconstructions by name.
+pub const RECONSTRUCTIONS: [(&str, Reconstruction); 2] = [
+    ("none", Reconstruction::None),
+    ("linear", Reconstruction::Linear),
+];
+
 /// The name of a value among `names`.
 pub fn name_of<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
     let named = names.iter().find(|(_, named)| *named == value);
@@ -374,7 +381,7 @@ pub const KERNELS: [(&str, KernelKind); 5] = [
     ("quintic-spline", KernelKind::QuinticSpline),
 ];
 
-fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
+fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Reconstruction, Physical) {
     let section = gas.section("viscosity");
     let names: [(&str, usize); VISCOSITIES.len()] = std::array::from_fn(|k| (VISCOSITIES[k].0, k));
     let default = names
@@ -383,12 +390,16 @@ fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
     let chosen = section.choice("kind", &names, &[]).or(default);
     let kind = chosen.expect("the default is among them");
     if kind == 0 {
-        section.misplaced(&["alpha", "beta"], "has no place in kind = \"none\"");
+        section.misplaced(
+            &["alpha", "beta", "reconstruction"],
+            "has no place in kind = \"none\"",
+        );
     }
     let alpha = section.number("alpha", Range::NOT_NEGATIVE).unwrap_or(1.0);
     let beta = section
         .number("beta", Range::NOT_NEGATIVE)
         .unwrap_or(2.0 * alpha);
+    let reconstruction = section.choice("reconstruction", &RECONSTRUCTIONS, &[]);
     let disk = section.number("shakura_sunyaev", Range::NOT_NEGATIVE);
     let nu = section.quantity("kinematic", Kind::KINEMATIC, Range::NOT_NEGATIVE);
     section.exclusive("shakura_sunyaev", "kinematic");
@@ -407,7 +418,8 @@ fn viscosity(gas: &Section<'_>, facts: &Facts) -> (Viscosity, Physical) {
         (_, Some(nu)) if nu > 0.0 => Physical::Constant { nu },
         _ => Physical::None,
     };
-    (VISCOSITIES[kind].1(alpha, beta), physical)
+    let viscosity = VISCOSITIES[kind].1(alpha, beta);
+    (viscosity, reconstruction.unwrap_or_default(), physical)
 }
 
 fn conduction(gas: &Section<'_>, eos: &Eos) -> f64 {

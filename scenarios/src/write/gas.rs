@@ -5,7 +5,9 @@ use gas::rearrangement::Order;
 
 use super::growth::write_growth;
 use super::text::Text;
-use crate::read::gas::{FORMULATIONS, GRADIENTS, KERNELS, name_of, viscosity_name};
+use crate::read::gas::{
+    FORMULATIONS, GRADIENTS, KERNELS, RECONSTRUCTIONS, name_of, viscosity_name,
+};
 use crate::scene::{
     Block, Cooling, CoolingTime, Disk, DiskAmount, Dust, DustAmount, DustDrag, Eos, Formulation,
     Gas, Hydro, Lattice, Physical, Precision, Sizes, Thermal, Turbulence,
@@ -51,6 +53,8 @@ pub fn write_gas(text: &mut Text, gas: &Gas) {
     if let Some([alpha, beta]) = gas.viscosity.parameters() {
         text.number("alpha", alpha);
         text.number("beta", beta);
+        let reconstruction = name_of(&RECONSTRUCTIONS, gas.reconstruction);
+        text.text("reconstruction", reconstruction);
     }
     match gas.physical {
         Physical::None => {}
