@@ -1,7 +1,7 @@
 //! The cost of an update: a jittered lattice in a periodic cube with a solenoidal velocity field.
 //!
 //! box [particles a side] [kernel: wendland | cubic | quintic | c4 | c6] [neighbours] [steps] [precision] [formulation] [viscosity]
-//!     [alpha of conduction] [gradient], as `scheme::set` reads them
+//!     [alpha of conduction] [gradient] [reconstruction], as `scheme::set` reads them
 
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! Sod's shock tube in three dimensions (gamma = 5/3): error norms against the exact solution, and the cost of an update.
 //!
 //! sod [n] [kernel: wendland | cubic | quintic | c4 | c6] [neighbours] [alpha] [beta] [courant] [precision] [formulation] [viscosity]
-//!     [alpha of conduction] [gradient], as `scheme::set` reads them
+//!     [alpha of conduction] [gradient] [reconstruction], as `scheme::set` reads them
 //! Box 2 x 16/n x 16/n; equal-mass body-centred lattices with cell 1/n at rho 1 and 2/n at rho 1/8; P = 1 and 0.1; t = 0.2.
 //! Norm: volume-weighted mean of |f - exact| over |x - 1| < 0.5.
 

@@ -3,6 +3,7 @@
 //! The start is really made and the scene advanced for a moment, from which its cost follows.
 
 use gas::rearrangement::Order;
+use gas::Reconstruction;
 use std::fmt::Write;
 
 use coupling::System;
@@ -88,8 +89,12 @@ fn method(scene: &Scene) -> Option<String> {
     let viscosity = match gas.viscosity.parameters() {
         None => "no viscosity".to_owned(),
         Some([alpha, _]) => format!(
-            "viscosity {} with alpha up to {alpha}",
-            viscosity_name(&gas.viscosity)
+            "viscosity {} with alpha up to {alpha}{}",
+            viscosity_name(&gas.viscosity),
+            match gas.reconstruction {
+                Reconstruction::None => "",
+                Reconstruction::Linear => " of what linear flow leaves",
+            }
         ),
     };
     let gradient = match gas.hydro.gradient {

@@ -1,9 +1,9 @@
-//! A scheme from words: precision, formulation, viscosity, alpha of conduction, gradient.
+//! A scheme from words: precision, formulation, viscosity, alpha of conduction, gradient, reconstruction.
 
-use gas::{Conduction, Formulation, Gradient, Hydro, KernelKind, Precision, Viscosity};
+use gas::{Conduction, Formulation, Gradient, Hydro, KernelKind, Precision, Reconstruction, Viscosity};
 
 /// Changes `hydro` to what `words` say, in their order: double | single; density | pressure | number | smoothed; none | constant | balsara |
-/// cullen-dehnen | neumann-richtmyer | tensor | planar | planar-switch with `alpha` and `beta`; a number; standard | matrix. What is missing or unknown
+/// cullen-dehnen | neumann-richtmyer | tensor | planar | planar-switch with `alpha` and `beta`; a number; standard | matrix; none | linear. What is missing or unknown
 /// stays.
 pub fn set(hydro: &mut Hydro, words: &[String], alpha: f64, beta: f64) {
     let word = |k: usize| words.get(k).map_or("", String::as_str);
@@ -34,6 +34,9 @@ pub fn set(hydro: &mut Hydro, words: &[String], alpha: f64, beta: f64) {
     }
     if word(4) == "matrix" {
         hydro.gradient = Gradient::Matrix;
+    }
+    if word(5) == "linear" {
+        hydro.reconstruction = Reconstruction::Linear;
     }
 }
 
