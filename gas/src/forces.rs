@@ -26,7 +26,7 @@ mod sweep;
 use out::Out;
 pub use pack::Pace;
 use pack::Pack;
-use pair::{Flux, MORE, QUADS};
+use pair::{Flux, MORE, QUADS, STRAINED};
 use state::States;
 use sweep::Sweep;
 
@@ -90,10 +90,12 @@ impl Gas {
             next_span: &rates.next_span,
             states: &states,
         };
-        if flux.plain {
-            packed.fill::<QUADS>(&frame, near, |i, d, coarser| pack.source(i, d, coarser));
-        } else {
-            packed.fill::<MORE>(&frame, near, |i, d, coarser| pack.more(i, d, coarser));
+        match flux.quads() {
+            QUADS => packed.fill::<QUADS>(&frame, near, |i, d, coarser| pack.source(i, d, coarser)),
+            STRAINED => {
+                packed.fill::<STRAINED>(&frame, near, |i, d, coarser| pack.strained(i, d, coarser));
+            }
+            _ => packed.fill::<MORE>(&frame, near, |i, d, coarser| pack.more(i, d, coarser)),
         }
         pack.paces(&self.tree, near, &mut self.paces);
         let sweep = Sweep {

@@ -215,12 +215,7 @@ impl Hydro {
         let shifted = self.formulation == Formulation::Pressure
             && self.background_pressure.is_some()
             && self.conducts();
-        !(self.stressed()
-            || self.reconstructs()
-            || zeta
-            || smoothed
-            || shifted
-            || self.solves_pressure())
+        !(self.stressed() || zeta || smoothed || shifted || self.solves_pressure())
     }
 
     /// Kernel support by smoothing length, H / h.

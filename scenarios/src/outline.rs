@@ -2,8 +2,8 @@
 //!
 //! The start is really made and the scene advanced for a moment, from which its cost follows.
 
-use gas::rearrangement::Order;
 use gas::Reconstruction;
+use gas::rearrangement::Order;
 use std::fmt::Write;
 
 use coupling::System;

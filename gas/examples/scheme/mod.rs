@@ -1,6 +1,8 @@
 //! A scheme from words: precision, formulation, viscosity, alpha of conduction, gradient, reconstruction.
 
-use gas::{Conduction, Formulation, Gradient, Hydro, KernelKind, Precision, Reconstruction, Viscosity};
+use gas::{
+    Conduction, Formulation, Gradient, Hydro, KernelKind, Precision, Reconstruction, Viscosity,
+};
 
 /// Changes `hydro` to what `words` say, in their order: double | single; density | pressure | number | smoothed; none | constant | balsara |
 /// cullen-dehnen | neumann-richtmyer | tensor | planar | planar-switch with `alpha` and `beta`; a number; standard | matrix; none | linear. What is missing or unknown

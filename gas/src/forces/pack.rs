@@ -6,7 +6,7 @@ use nbody::points::{Clock, Tree, Vec3};
 use rayon::prelude::*;
 
 use super::NEVER;
-use super::pair::{MORE, QUADS};
+use super::pair::{MORE, QUADS, STRAINED};
 use super::state::States;
 use crate::Gradient;
 use crate::lanes::{Quad, Real};
@@ -110,6 +110,24 @@ impl Pack<'_> {
         )
     }
 
+    /// The same where particles bring the strain of the flow about them.
+    pub fn strained<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; STRAINED]) {
+        let (reach, [q0, q1, q2, q3]) = self.source::<E>(i, d, coarser);
+        let [q4, q5] = self.strain(i);
+        (reach, [q0, q1, q2, q3, q4, q5])
+    }
+
+    /// The strain about particle i: its diagonal and its components yz, zx, xy.
+    fn strain<E: Real>(&self, i: usize) -> [Quad<E>; 2] {
+        let (derived, units) = (self.states.derived, &self.states.units);
+        let time = units.length / units.velocity;
+        let (diagonal, off) = (derived.stress[i] * time, derived.stress_off[i] * time);
+        [
+            Quad([diagonal.x, diagonal.y, diagonal.z, off.x].map(E::from_f64)),
+            Quad([off.y, off.z, 0.0, 0.0].map(E::from_f64)),
+        ]
+    }
+
     /// The same where particles bring more.
     pub fn more<E: Real>(&self, i: usize, d: Vec3, coarser: i32) -> (f64, [Quad<E>; MORE]) {
         let (reach, [q0, q1, q2, q3]) = self.source::<E>(i, d, coarser);
@@ -143,12 +161,16 @@ impl Pack<'_> {
             let scale = self.states.flux.norm / reach.abs().powi(power + 2) * x / (y * y);
             tensor = q * correction * scale;
         }
-        if hydro.reconstructs() {
-            let strain = symmetric(derived.stress[i], derived.stress_off[i]);
-            tensor = strain * (units.length / units.velocity);
-        }
         let u = self.u[i] / speed2;
         let s = |a: usize, b: usize| E::from_f64(tensor[(a, b)]);
+        let mut tensor_quads = [
+            Quad([s(0, 0), s(0, 1), s(0, 2), s(1, 0)]),
+            Quad([s(1, 1), s(1, 2), s(2, 0), s(2, 1)]),
+        ];
+        if hydro.reconstructs() {
+            tensor_quads = self.strain(i);
+        }
+        let [q4, q5] = tensor_quads;
         let last = [content, u, specific * rho].map(E::from_f64);
         (
             reach,
@@ -157,8 +179,8 @@ impl Pack<'_> {
                 q1,
                 q2,
                 q3,
-                Quad([s(0, 0), s(0, 1), s(0, 2), s(1, 0)]),
-                Quad([s(1, 1), s(1, 2), s(2, 0), s(2, 1)]),
+                q4,
+                q5,
                 Quad([s(2, 2), last[0], last[1], last[2]]),
             ],
         )

@@ -13,7 +13,10 @@ use crate::{Formulation, Hydro, KernelKind};
 /// Quads of a row: coordinates on the grid and mass; velocity and g; H, push, density, sound speed; alpha, age and steps.
 pub const QUADS: usize = 4;
 
-/// Quads of a row where particles bring more: the nine components of a tensor that is applied to separations; content, u and P.
+/// Quads of a row where particles bring the strain of the flow as well: its diagonal and its components yz, zx, xy.
+pub const STRAINED: usize = 6;
+
+/// Quads of a row where particles bring more: the nine components of a stress that is applied to separations (or the strain, as there); content, u and P.
 pub const MORE: usize = 7;
 
 /// Columns of some rows; those that are not there are zero.
@@ -84,7 +87,11 @@ impl<S: Simd, E: Real> Member<S, E> {
             p,
             rho,
             cs,
-            tensor: [[b[0], b[1], b[2]], [b[3], c[0], c[1]], [c[2], c[3], e[0]]],
+            tensor: if flux.reconstructs {
+                [[b[0], c[1], c[0]], [c[1], b[1], b[3]], [c[0], b[3], b[2]]]
+            } else {
+                [[b[0], b[1], b[2]], [b[3], c[0], c[1]], [c[2], c[3], e[0]]]
+            },
             u: e[2],
             alpha,
             age,
@@ -97,8 +104,7 @@ impl<S: Simd, E: Real> Member<S, E> {
     #[inline(always)]
     pub fn alone<R: Machine<S, E>>(simd: S, row: &[Quad<E>; MORE], flux: &Flux) -> Self {
         let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
-        let quads = if flux.plain { QUADS } else { MORE };
-        for (columns, quad) in columns.iter_mut().zip(row).take(quads) {
+        for (columns, quad) in columns.iter_mut().zip(row).take(flux.quads()) {
             for (column, &value) in columns.iter_mut().zip(&quad.0) {
                 *column = Lanes::<S, E>::splat(simd, value);
             }
@@ -204,13 +210,23 @@ impl Flux {
         }
     }
 
-    /// The same where it is known as it is compiled whether particles bring more: what a plain sweep leaves out costs it nothing.
+    /// Quads of a row.
     #[inline(always)]
-    pub fn of(&self, plain: bool) -> Self {
+    pub fn quads(&self) -> usize {
+        match (self.plain, self.reconstructs) {
+            (true, false) => QUADS,
+            (true, true) => STRAINED,
+            _ => MORE,
+        }
+    }
+
+    /// The same where the quads of a row are known as it is compiled: what a sweep leaves out costs it nothing.
+    #[inline(always)]
+    pub fn of<const Q: usize>(&self) -> Self {
         Self {
-            plain,
-            stressed: !plain && self.stressed,
-            reconstructs: !plain && self.reconstructs,
+            plain: Q != MORE,
+            stressed: Q == MORE && self.stressed,
+            reconstructs: Q == STRAINED || (Q == MORE && self.reconstructs),
             ..*self
         }
     }

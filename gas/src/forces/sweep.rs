@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::out::Out;
 use super::pack::{Pace, nobody};
-use super::pair::{Flux, MORE, Member, QUADS, Separation};
+use super::pair::{Flux, MORE, Member, QUADS, STRAINED, Separation};
 use super::state::States;
 use super::sums::{Even, Mixed, Sums};
 use crate::lanes::{Job, Lanes, Machine, Quad, same};
@@ -43,8 +43,8 @@ pub struct Sweep<'a, E> {
     pub out: Out<'a>,
 }
 
-/// The sweep over the leaves of a branch, of particles that bring no more than [`QUADS`] if `PLAIN`.
-struct Branch<'a, E, const PLAIN: bool> {
+/// The sweep over the leaves of a branch, of particles whose rows have `Q` quads.
+struct Branch<'a, E, const Q: usize> {
     sweep: &'a Sweep<'a, E>,
     branch: usize,
     /// The pace of all around, unless it is mixed.
@@ -52,7 +52,7 @@ struct Branch<'a, E, const PLAIN: bool> {
     region: &'a mut Region<E>,
 }
 
-impl<'a, E, const PLAIN: bool> Branch<'a, E, PLAIN> {
+impl<'a, E, const Q: usize> Branch<'a, E, Q> {
     fn new(
         sweep: &'a Sweep<'a, E>,
         branch: usize,
@@ -68,7 +68,7 @@ impl<'a, E, const PLAIN: bool> Branch<'a, E, PLAIN> {
     }
 }
 
-impl<E: Element, const PLAIN: bool> Job<E> for Branch<'_, E, PLAIN> {
+impl<E: Element, const Q: usize> Job<E> for Branch<'_, E, Q> {
     type Output = usize;
 
     #[inline(always)]
@@ -83,7 +83,7 @@ impl<E: Element, const PLAIN: bool> Job<E> for Branch<'_, E, PLAIN> {
         let nodes = &sweep.frame.tree.nodes;
         let mut met = 0;
         for leaf in sweep.leaves(branch) {
-            let coarser = sweep.gather(simd, leaf, region);
+            let coarser = sweep.gather::<Q, S>(simd, leaf, region);
             let grid = sweep.grid(leaf, coarser);
             let range = nodes[leaf].range();
             for i in range.clone() {
@@ -94,13 +94,13 @@ impl<E: Element, const PLAIN: bool> Job<E> for Branch<'_, E, PLAIN> {
                 met += usize::from(match pace {
                     Some(pace) => {
                         let mut sums = Even::new(simd);
-                        sweep.target::<PLAIN, S, R, _>(simd, i, &grid, region, &mut sums);
+                        sweep.target::<Q, S, R, _>(simd, i, &grid, region, &mut sums);
                         let total = sums.total::<R>(pace, region.count());
                         sweep.out.write(i, &total, sweep.active(i))
                     }
                     None => {
                         let mut sums = Mixed::new(simd);
-                        sweep.target::<PLAIN, S, R, _>(simd, i, &grid, region, &mut sums);
+                        sweep.target::<Q, S, R, _>(simd, i, &grid, region, &mut sums);
                         sweep.out.write(i, &sums.total::<R>(), sweep.active(i))
                     }
                 });
@@ -124,16 +124,20 @@ impl<E: Element> Sweep<'_, E> {
                     return 0;
                 }
                 let pace = self.pace(branch, around);
-                if self.flux.plain {
-                    E::run(
+                let region = &mut space.region;
+                match self.flux.quads() {
+                    QUADS => E::run(
                         self.level,
-                        Branch::<E, true>::new(self, branch, pace, &mut space.region),
-                    )
-                } else {
-                    E::run(
+                        Branch::<E, QUADS>::new(self, branch, pace, region),
+                    ),
+                    STRAINED => E::run(
                         self.level,
-                        Branch::<E, false>::new(self, branch, pace, &mut space.region),
-                    )
+                        Branch::<E, STRAINED>::new(self, branch, pace, region),
+                    ),
+                    _ => E::run(
+                        self.level,
+                        Branch::<E, MORE>::new(self, branch, pace, region),
+                    ),
                 }
             })
         });
@@ -198,7 +202,7 @@ impl<E: Element> Sweep<'_, E> {
 
     /// Gathers what may meet the leaf's particles: everything if some of them are active, else active particles alone.
     #[inline(always)]
-    fn gather<S: Simd>(&self, simd: S, leaf: usize, region: &mut Region<E>) -> i32 {
+    fn gather<const Q: usize, S: Simd>(&self, simd: S, leaf: usize, region: &mut Region<E>) -> i32 {
         let all = self.extent[1][leaf] >= 0.0;
         let node = &self.frame.tree.nodes[leaf];
         let (centre, unit) = (self.packed.middle(leaf).x, self.frame.units.length);
@@ -217,15 +221,11 @@ impl<E: Element> Sweep<'_, E> {
             active: !all,
         };
         let far = region.gather(simd, &search);
-        if self.flux.plain {
-            region.fetch::<QUADS>(&search, far, nobody())
-        } else {
-            region.fetch::<MORE>(&search, far, nobody())
-        }
+        region.fetch::<Q>(&search, far, nobody())
     }
 
     #[inline(always)]
-    fn target<const PLAIN: bool, S: Simd, R: Machine<S, E>, A: Sums<S, E>>(
+    fn target<const Q: usize, S: Simd, R: Machine<S, E>, A: Sums<S, E>>(
         &self,
         simd: S,
         i: usize,
@@ -233,13 +233,9 @@ impl<E: Element> Sweep<'_, E> {
         region: &mut Region<E>,
         sums: &mut A,
     ) {
-        let flux = self.flux.of(PLAIN);
+        let flux = self.flux.of::<Q>();
         let mut row = [Quad::default(); MORE];
-        if PLAIN {
-            row[..QUADS].copy_from_slice(&self.packed.row::<QUADS>(i));
-        } else {
-            row = self.packed.row::<MORE>(i);
-        }
+        row[..Q].copy_from_slice(&self.packed.row::<Q>(i));
         row[0] = E::moved(row[0], [0.0; 3], grid.from, grid.to);
         let mut own = Member::<S, E>::alone::<R>(simd, &row, &flux);
         own.work += same::<S, E>(simd, self.states.left_out(i));
@@ -248,13 +244,8 @@ impl<E: Element> Sweep<'_, E> {
         region.meet(simd, place, reach * reach, !self.active(i));
         let mut columns = [[same::<S, E>(simd, 0.0); 4]; MORE];
         for first in (0..region.count()).step_by(Lanes::<S, E>::LEN) {
-            for (part, column) in columns[..QUADS].iter_mut().enumerate() {
+            for (part, column) in columns[..Q].iter_mut().enumerate() {
                 *column = region.quad::<S, R>(simd, part, first);
-            }
-            if !PLAIN {
-                for (part, column) in columns.iter_mut().enumerate().skip(QUADS) {
-                    *column = region.quad::<S, R>(simd, part, first);
-                }
             }
             let other = Member::new::<R>(simd, columns, &flux);
             let pair = Separation::new(simd, &row, &columns, grid);
