@@ -153,7 +153,7 @@ impl Hydro {
         if self.reconstructs() && self.stressed() {
             return Some((
                 "viscosity.reconstruction",
-                "\"linear\" is of viscosities between pairs beside which no particle has a stress: it goes with \"constant\", \"balsara\", \"cullen-dehnen\" and \"planar-switch\" where gradient = \"standard\" and no physical viscosity acts",
+                "is of viscosities between pairs beside which no particle has a stress: it goes with \"constant\", \"balsara\", \"cullen-dehnen\" and \"planar-switch\" where gradient = \"standard\" and no physical viscosity acts",
             ));
         }
         match self.formulation {

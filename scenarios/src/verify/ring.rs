@@ -45,8 +45,23 @@ pub struct Life {
     pub update: f64,
 }
 
-/// Gradients by which sums of any formulation are taken.
-const GRADIENTS: [&str; 2] = ["standard", "matrix"];
+/// How pairs act: by either gradient, or with velocities followed to the middle of pairs, which viscosities between pairs allow.
+const WAYS: [(&str, &str); 3] = [
+    (
+        "standard",
+        "[gas.hydro]\nprecision = \"single\"\n[gas.viscosity]\n",
+    ),
+    (
+        "matrix",
+        "[gas.hydro]\nprecision = \"single\"\ngradient = \"matrix\"\n[gas.viscosity]\n",
+    ),
+    (
+        LINEAR,
+        "[gas.hydro]\nprecision = \"single\"\n[gas.viscosity]\nreconstruction = \"linear\"\n",
+    ),
+];
+const LINEAR: &str = "standard, linear";
+const BETWEEN_PAIRS: [&str; 4] = ["constant", "balsara", "cullen-dehnen", "planar-switch"];
 
 pub const VISCOSITIES: [&str; 8] = [
     "none",
@@ -65,10 +80,18 @@ const ORBITS: usize = 100;
 const SAMPLES: usize = 32;
 
 /// Text of a scheme.
-fn scheme(gradient: &str, viscosity: &str) -> String {
-    format!(
-        "[gas.hydro]\nprecision = \"single\"\ngradient = \"{gradient}\"\n[gas.viscosity]\nkind = \"{viscosity}\"\n"
-    )
+fn scheme(keys: &str, viscosity: &str) -> String {
+    format!("{keys}kind = \"{viscosity}\"\n")
+}
+
+/// All schemes: the name of the way, its keys and the viscosity.
+fn schemes() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    WAYS.into_iter().flat_map(|(way, keys)| {
+        let allowed = VISCOSITIES.into_iter();
+        allowed
+            .filter(move |kind| way != LINEAR || BETWEEN_PAIRS.contains(kind))
+            .map(move |kind| (way, keys, kind))
+    })
 }
 
 /// Prints the table of gradients and viscosities, and that of the Reynolds numbers; judged is the best entry that has a viscosity.
@@ -84,11 +107,8 @@ pub fn rows() -> Vec<Row> {
         "| gradients | viscosity | orbits | change of mass | v_R / c_s | da / s | torque | viscous | by pressure | us an update |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-    for (gradient, viscosity) in GRADIENTS
-        .iter()
-        .flat_map(|gradient| VISCOSITIES.map(|viscosity| (gradient, viscosity)))
-    {
-        match life(PARTICLES, ORBITS, &scheme(gradient, viscosity), &[], |_| {}) {
+    for (gradient, keys, viscosity) in schemes() {
+        match life(PARTICLES, ORBITS, &scheme(keys, viscosity), &[], |_| {}) {
             Ok(life) => {
                 if viscosity != "none" && life.survived > best {
                     best = life.survived;
@@ -114,7 +134,7 @@ pub fn rows() -> Vec<Row> {
     )];
     for viscosity in ["constant", "balsara"] {
         let reynolds = [4_000, 16_000, 64_000].map(|n| {
-            let life = life(n, 1, &scheme(GRADIENTS[0], viscosity), &[], |_| {});
+            let life = life(n, 1, &scheme(WAYS[0].1, viscosity), &[], |_| {});
             let torque = life.map_or(f64::NAN, |life| life.first_torque);
             reynolds(torque)
         });
