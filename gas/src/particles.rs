@@ -80,7 +80,7 @@ columns! {
         correction: Vector = Label::checkpoint("GradientCorrections", Dimension::NONE, "diagonal of the correction of gradients").optional(),
         /// its yz, zx and xy components
         correction_off: Vector = Label::checkpoint("GradientCorrectionsOff", Dimension::NONE, "correction of gradients, components yz, zx, xy").optional(),
-        /// diagonal of the viscous stress, where particles bring one
+        /// diagonal of the viscous stress, where particles bring one; or of the strain, 1/time, where velocities are reconstructed
         stress: Vector = Label::checkpoint("ViscousStresses", Dimension::PRESSURE, "diagonal of the viscous stress").optional(),
         /// its yz, zx and xy components
         stress_off: Vector = Label::checkpoint("ViscousStressesOff", Dimension::PRESSURE, "viscous stress, components yz, zx, xy").optional(),

@@ -5,7 +5,7 @@
 //!
 //! with V linear-exact. Gas that converges evenly has a = s_i = s_j and no viscosity at all, however fast; in a shock the flow is steep
 //! on one side alone and nearly all of the approach is left. What is left never exceeds the approach: viscosity heats as without.
-//! Sources: Frontiere, Raskin & Owen (2017), JCP 332, 160, section 2.4; Rosswog (2020), MNRAS 498, 4230 (both with van Leer's limiter, which
+//! Sources: Frontiere, Raskin & Owen (2017), JCP 332, 160; Rosswog (2020), MNRAS 498, 4230 (both with van Leer's limiter, which
 //! is less strict than minmod, the smaller of two slopes of one sign; Sod's and Noh's errors do not gain by it).
 
 use fearless_simd::{Simd, SimdBase};
