@@ -22,9 +22,14 @@ const RECOMMENDED: [&str; 4] = [
     "gas.hydro.background_pressure=least",
     "gas.hydro.precision=single",
 ];
-const RECOMMENDED_NEIGHBOURS: [&str; 2] = ["gas.hydro.neighbours=73", "gas.hydro.neighbours=46"];
-/// That of the default viscosity; another one has its own.
-const RECOMMENDED_ALPHA: &str = "gas.viscosity.alpha=2";
+const RECOMMENDED_NEIGHBOURS: [&str; 2] = ["gas.hydro.neighbours=71", "gas.hydro.neighbours=46"];
+/// Left out where a scheme names a viscosity: another one has its own keys.
+const RECOMMENDED_VISCOSITY: [&str; 4] = [
+    "gas.viscosity.kind=balsara",
+    "gas.viscosity.alpha=1",
+    "gas.viscosity.beta=3.5",
+    "gas.viscosity.reconstruction=linear",
+];
 const KIND: &str = "gas.viscosity.kind";
 
 pub struct Scheme {
@@ -98,7 +103,7 @@ impl Scheme {
             keys.extend(RECOMMENDED.map(str::to_owned));
             keys.push(RECOMMENDED_NEIGHBOURS[usize::from(is_plane)].to_owned());
             if !self.keys.iter().any(|key| key.starts_with(KIND)) {
-                keys.push(RECOMMENDED_ALPHA.to_owned());
+                keys.extend(RECOMMENDED_VISCOSITY.map(str::to_owned));
             }
         }
         keys.extend(self.keys.iter().map(key));
@@ -185,9 +190,13 @@ mod tests {
         }
         let plain = Scheme::new(true, &[], None).expect("a scheme");
         let keys = plain.keys_of(&cube(2));
-        assert_eq!(
-            keys[4..],
-            ["gas.hydro.neighbours=46", "gas.viscosity.alpha=2"]
+        assert_eq!(keys[4], "gas.hydro.neighbours=46");
+        assert_eq!(keys[5..], RECOMMENDED_VISCOSITY);
+        // Of a scheme that names a viscosity none of these are left.
+        assert!(
+            scheme.keys_of(&cube(2))[5..]
+                .iter()
+                .all(|key| !key.contains("beta"))
         );
     }
 }
