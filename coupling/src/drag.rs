@@ -1,12 +1,14 @@
 //! Drag: the exchange of momentum and energy between immersed particles (grains, bodies) and the gas around them.
 //!
 //! u_i = v_i - sum_j w_ij v_j, w from [`gas::probe`]. Over a half step s with the relative acceleration a_i of everything but drag,
-//!     u(s) = u(0) e^-x + a s (1 - e^-x)/x,  x = (1 + eps_i) s / t_i,  eps_i = sum_j |w_ij| sum_k m_k |w_kj| / m_j,
-//! grain i takes the impulse m_i d_i, d_i = (u(s) - u(0) - a s) / (1 + eps_i), and gas j takes -w_ij m_i d_i. All grains act at once on one
+//!     u(s) = u(0) e^-x + b s (1 - e^-x)/x,  x = (1 + eps_i) s / t_i,  eps_i = sum_j |w_ij| sum_k m_k |w_kj| / m_j,
+//! grain i takes the impulse m_i d_i, d_i = (u(s) - u(0) - b s) / (1 + eps_i), and gas j takes -w_ij m_i d_i. All grains act at once on one
 //! state of the gas. 1 + eps bounds the row sums of u' = -(1 + S) u/t (Gershgorin), so kinetic energy falls for any s / t; in uniform fields
 //! the exchange is exact. What the gas then did beyond -eps_i d_i is made up for by a second pass (deferred correction), so that it is
-//! of second order for mixtures and any positions, too. Momentum and angular momentum are kept to round-off; the lost kinetic energy is heat,
-//! spread over a grain's neighbours by weight.
+//! of second order for mixtures and any positions, too. In long steps that leaves r^2 of an error, r = (eps - S)/(1 + eps): hence b_i = a_i - c_i, c_i what
+//! the gas was last found to do so, as far as drag balances forces, which lasts, and does not brake, which decays. Each half step then takes
+//! grains nearer to their terminal velocity a t / (1 + S), by r, and stiff drag is of second order, too. Momentum and angular momentum are kept
+//! to round-off; the lost kinetic energy is heat, spread over a grain's neighbours by weight.
 //! Velocities are those predicted to this tick (`v_pred`): a closing half step ends now and its kick is in them, an opening one begins
 //! now and its kick is not; whether kick or drag is done first does not matter. The half step's kick itself is done elsewhere.
 
@@ -212,7 +214,7 @@ impl Exchange {
                     block.refine(sums);
                     block.settle((seen, members), (settings, domain));
                 });
-            self.touched.sum_impulses(blocks, see);
+            self.touched.sum_again(blocks, see);
         }
         let mut booking = Booking::default();
         for (block, members) in blocks.iter().zip(active.chunks(BLOCK)) {

@@ -65,6 +65,8 @@ columns! {
         next_span: Short = Label::checkpoint("NextSpans", Dimension::NONE, "length of the step that begins now in ticks"),
         /// acceleration by drag in the first half of the present step; empty unless somebody asks for it
         opening_drag: Vector = Label::checkpoint("OpeningDrags", Dimension::ACCELERATION, "acceleration by drag in the first half of the step").optional(),
+        /// acceleration of the gas around by drag beyond what the grain makes it do, as it is expected; empty where grains are light
+        excess: Vector = Label::checkpoint("GasExcesses", Dimension::ACCELERATION, "acceleration of the gas around by drag beyond what the grain makes it do").optional(),
     }
 }
 

@@ -26,8 +26,8 @@ struct Scratch {
     seen: Vec<[f64; 8]>,
     /// what rows are to give in the other half of their step
     coming: Vec<Parcel>,
-    /// velocities, relative to a shear or not, and accelerations of the members by place
-    motion: Vec<(Vec3, Option<Vec3>)>,
+    /// by place: velocities of the members, relative to a shear or not, their accelerations, and what they expect of the gas
+    motion: Vec<(Vec3, Option<Vec3>, Vec3)>,
     /// Where members are relative to.
     origin: Vec3,
     members: Vec<Member>,

@@ -19,6 +19,12 @@ pub trait Immersed: Sync {
     fn velocity(&self, i: usize) -> Vec3;
     /// Acceleration by everything but drag, over the half step; none if that is not to be solved together with drag.
     fn acceleration(&self, i: usize) -> Option<Vec3>;
+    /// Acceleration of the gas around by drag beyond what this particle makes it do, as it is expected; zero if nobody keeps it.
+    fn excess(&self, _: usize) -> Vec3 {
+        Vec3::zeros()
+    }
+    /// Takes what is to be expected of it next.
+    fn keep_excess(&mut self, _: usize, _: Vec3) {}
     /// Smoothing length of the gas around; zero if unknown.
     fn smoothing(&self, i: usize) -> f64;
     /// Takes the smoothing length of the gas around, and the time in which sound and particle cross it.
@@ -102,6 +108,16 @@ impl Immersed for Grains<'_> {
 
     fn acceleration(&self, i: usize) -> Option<Vec3> {
         Some(self.dust.rates.gravity[i])
+    }
+
+    fn excess(&self, i: usize) -> Vec3 {
+        (self.dust.rates.excess.get(i).copied()).unwrap_or_default()
+    }
+
+    fn keep_excess(&mut self, i: usize, a: Vec3) {
+        if let Some(excess) = self.dust.rates.excess.get_mut(i) {
+            *excess = a;
+        }
     }
 
     fn smoothing(&self, i: usize) -> f64 {

@@ -17,6 +17,10 @@ const FARTHEST: f64 = 2.0;
 /// By how much a base step may be longer than the last, where a tolerance sets it.
 const GROWTH: f64 = 2.0;
 
+/// Load of a grain from which on all of them hold what the gas does beyond what each makes it do; of lighter ones the correction leaves less than a
+/// hundredth of it.
+const HEAVY: f64 = 0.1;
+
 fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Exchange {
     let reach = Reach {
         neighbours: hydro.neighbours,
@@ -153,6 +157,10 @@ impl Operator for DustDrag {
         self.act(system, Half::Closing, |s, i| {
             s.closing(s.dust.particles.begin[i], s.dust.particles.span[i])
         });
+        let rates = &mut system.dust.rates;
+        if rates.excess.is_empty() && self.exchange.rows().any(|row| row.eps > HEAVY) {
+            rates.excess.resize(rates.v_pred.len(), Vec3::zeros());
+        }
         if let Some(tolerance) = self.tolerance.filter(|_| system.clock.synchronous()) {
             self.learn(system, tolerance);
         }

@@ -27,8 +27,14 @@ pub struct Row {
     pub t_stop: f64,
     /// change of its velocity
     pub dv: Vec3,
-    /// its change per velocity that the gas is found to have gained beyond -eps dv
+    /// change of the velocity of the gas around
+    pub gas_dv: Vec3,
+    /// What the gas does beyond -eps dv: its acceleration as it is expected, the velocity that makes, and the change of dv and of what is expected per
+    /// velocity that it is found to gain beyond that.
+    pub excess: Vec3,
+    pub expected: Vec3,
     pub share: f64,
+    pub lasting: f64,
     /// velocity relative to the gas: at this tick, and in the middle of the half step's kick
     pub u_tick: Vec3,
     pub u_middle: Vec3,
@@ -44,6 +50,8 @@ pub struct Outcome {
     c: f64,
     /// velocity relative to the gas, after it
     slip: Vec3,
+    /// acceleration of the gas beyond what the particle makes it do, as it is to be expected
+    excess: Vec3,
 }
 
 impl Outcome {
@@ -51,6 +59,7 @@ impl Outcome {
     pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize) {
         immersed.push(i, self.dv, self.t_stop, self.rho);
         immersed.hear(i, self.c, self.slip);
+        immersed.keep_excess(i, self.excess);
     }
 }
 
@@ -162,6 +171,8 @@ fn relax_lanes<S: Simd>(
     let m = numbers(simd, |lane| row(lane).m);
     let a = vectors(simd, |lane| drive.a[lane]);
     let kick = [step * a[0], step * a[1], step * a[2]];
+    let expected = vectors(simd, |lane| row(lane).expected);
+    let forced = sum(&kick, -one, &expected);
     let (start, sign) = match half {
         Half::Closing => (sum(&u, -one, &kick), -0.5),
         Half::Opening => (u, 0.5),
@@ -172,20 +183,25 @@ fn relax_lanes<S: Simd>(
     if !linear {
         // Half of what the kick leaves at the end stands for its effect on the stopping time.
         let left = (one - relaxed.lag) * 0.5;
-        let halfway = sum(&start, left, &kick);
+        let halfway = sum(&start, left, &forced);
         relaxed = relaxation(simd, abreast, &halfway, load * step);
     }
     let each = one / load;
-    let change = relaxed.change(&start, &kick);
+    let change = relaxed.change(&start, &forced);
     let dv = [change[0] * each, change[1] * each, change[2] * each];
     let share = array(relaxed.lag * each);
+    // Drag that brakes decays, drag that balances forces lasts.
+    let braking = sum(&change, one, &forced);
+    let balancing = dot(&forced, &forced);
+    let whole = (balancing + dot(&braking, &braking)).max(f64::MIN_POSITIVE);
+    let lasting = array(balancing / whole / step.max(f64::MIN_POSITIVE));
     if half == Half::Opening {
         // The other half goes on from here, by the same kick.
-        let next = sum(&sum(&start, one, &kick), one, &change);
+        let next = sum(&sum(&start, one, &forced), one, &change);
         if !linear {
             relaxed = relaxation(simd, abreast, &next, load * step);
         }
-        let change = relaxed.change(&next, &kick);
+        let change = relaxed.change(&next, &forced);
         let dv = [change[0] * each, change[1] * each, change[2] * each];
         let mean = sum(&next, one * 0.5, &sum(&kick, one, &dv));
         let heat = array(-(m * dot(&dv, &mean)));
@@ -200,6 +216,7 @@ fn relax_lanes<S: Simd>(
         let vector = |of: &[[f64; ABREAST]; 3]| Vec3::new(of[0][lane], of[1][lane], of[2][lane]);
         (row.dv, row.share, row.t_stop) = (vector(&dv), share[lane], t_stop[lane]);
         row.u_middle = vector(&middle);
+        (row.lasting, row.gas_dv) = (lasting[lane], Vec3::zeros());
     }
 }
 
@@ -224,6 +241,7 @@ impl Row {
             c: self.c,
             // The gas around has changed by -eps dv.
             slip: self.u_tick + (1.0 + self.eps) * self.dv,
+            excess: self.excess,
         }
     }
 
@@ -241,8 +259,9 @@ impl Row {
         booking.radiated += self.heat();
     }
 
-    /// Heat of the row's change in gas of fixed velocity.
+    /// Heat of the row's change in gas that changes by `gas_dv`.
     pub fn heat(&self) -> f64 {
-        -self.m * self.dv.dot(&(self.u_middle + 0.5 * self.dv))
+        let slip = self.u_middle + 0.5 * (self.dv - self.gas_dv);
+        -self.m * self.dv.dot(&slip)
     }
 }

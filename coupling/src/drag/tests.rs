@@ -120,6 +120,7 @@ impl Box {
         let active: Vec<u32> = (0..dust.len() as u32).collect();
         let mut exchange = Exchange::new(settings);
         let mut dust = dust;
+        dust.rates.excess.resize(dust.len(), Vec3::zeros());
         // Twice, as in a run: the first time the smoothing lengths are found from nothing.
         for _ in 0..2 {
             exchange.prepare(&gas, &mut grains(&mut dust), &active, &domain);
@@ -349,12 +350,41 @@ fn terminal_velocity_is_exact_for_steps_of_any_length() {
     }
 }
 
+fn noise(x: Vec3) -> Vec3 {
+    let f = |k: f64| (x.dot(&Vec3::new(7.3, 3.1, 9.7)) * k).sin();
+    Vec3::new(f(13.7), f(71.3), f(31.1))
+}
+
+#[test]
+fn at_random_places_drag_comes_to_balance_forces_and_stiff_drag_heats_nobody() {
+    for (t_stop, eps) in [(1e-12, 0.5), (1e-12, 10.0), (0.1, 0.5), (0.1, 10.0)] {
+        let gas = gas(scattered(200, 5.6, 0.0), 1.0, |_| Vec3::zeros());
+        let dust = dust(scattered(100, 5.6, 0.37), eps * 2.0, |_| Vec3::zeros());
+        let domain = Domain::periodic(Vec3::repeat(5.6));
+        let mut scene = Box::new(gas, dust, domain, constant(t_stop));
+        let pulls: Vec<Vec3> = scene.dust.particles.x.iter().map(|&x| noise(x)).collect();
+        scene.dust.rates.gravity = pulls;
+        let half = 0.1;
+        for _ in 0..1000 {
+            scene.step(2.0 * half);
+        }
+        let warm = scene.gas.particles.u.clone();
+        scene.step(2.0 * half);
+        let drag: Vec<Vec3> = scene.exchange.rows().map(|row| row.dv / half).collect();
+        scene.half(0.0, Half::Closing);
+        for (row, a) in scene.exchange.rows().zip(&drag) {
+            let lacking = (row.u_tick + t_stop * a).norm();
+            assert!(lacking < 1e-13, "{t_stop:e}, {eps}: {lacking:e}");
+        }
+        for (u, before) in scene.gas.particles.u.iter().zip(&warm) {
+            let heat = (u - before).abs();
+            assert!(t_stop > 1e-9 || heat < 4e-12, "{eps}: heat {heat:e}");
+        }
+    }
+}
+
 #[test]
 fn heavy_stiff_dust_at_random_places_only_loses_energy() {
-    let noise = |x: Vec3| {
-        let f = |k: f64| (x.dot(&Vec3::new(7.3, 3.1, 9.7)) * k).sin();
-        Vec3::new(f(13.7), f(71.3), f(31.1))
-    };
     for (t_stop, eps, steps) in [(1e-8, 100.0, 10_000), (0.1, 100.0, 1000), (0.01, 1.0, 1000)] {
         let gas = gas(scattered(200, 5.6, 0.0), 1.0, noise);
         let mut dust = dust(scattered(100, 5.6, 0.37), eps * 2.0, noise);

@@ -25,6 +25,8 @@ pub struct Touched {
     pub loads: Vec<[f64; 1]>,
     /// of impulses and heat,
     pub sums: Vec<Parcel>,
+    /// of these in the pass before,
+    before: Vec<Parcel>,
     /// and of these with those of the other half of the step.
     both: Vec<Both>,
 }
@@ -77,6 +79,12 @@ impl Touched {
         let mut sums = std::mem::take(&mut self.sums);
         self.sum(&mut sums, gas, |block, slot| blocks[block].partial[slot]);
         self.sums = sums;
+    }
+
+    /// Adds them up anew, and keeps those that there were.
+    pub fn sum_again(&mut self, blocks: &[Block], gas: &Gas) {
+        std::mem::swap(&mut self.sums, &mut self.before);
+        self.sum_impulses(blocks, gas);
     }
 
     /// Adds up those of both halves of a step.
@@ -143,7 +151,8 @@ impl Touched {
         (domain, half, clock): (&Domain, Half, &Clock),
         booking: &mut Booking,
     ) {
-        for (&j, &[x, y, z, heat]) in self.gas.iter().zip(&self.sums) {
+        let sums = self.sums.iter().zip(&self.before);
+        for (&j, (&[x, y, z, heat], &[x0, y0, z0, _])) in self.gas.iter().zip(sums) {
             let (j, dv) = (j as usize, Vec3::new(x, y, z));
             let foreseen = match half {
                 Half::Closing => gas.has_come(j, clock.time()),
@@ -151,8 +160,8 @@ impl Touched {
             };
             let (particles, rates) = (&mut gas.particles, &mut gas.rates);
             let m = particles.m[j];
-            // The grains booked their heat as if the gas kept its velocity.
-            let heat = heat - 0.5 * dv.norm_squared();
+            // The grains booked their heat as if the gas changed as in the pass before.
+            let heat = heat - 0.5 * dv.dot(&(dv - Vec3::new(x0, y0, z0)));
             booking.gas.add((particles.x[j], rates.v_pred[j]), m, dv);
             let kept = if bound { 0.0 } else { heat_share };
             booking.heat += m * kept * heat;

@@ -28,7 +28,8 @@ impl Block {
                 let i = i as usize;
                 let v = domain.relative(immersed.position(i), immersed.velocity(i));
                 let a = immersed.acceleration(i).filter(|_| joint);
-                (v, a.map(|a| a + turning(domain, v)))
+                let a = a.map(|a| a + turning(domain, v));
+                (v, a, immersed.excess(i))
             }));
             self.change(
                 immersed,
@@ -93,12 +94,13 @@ impl Block {
                 a: [Vec3::zeros(); ABREAST],
             };
             for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
-                let (v, a) = motion[row.place as usize];
+                let (v, a, excess) = motion[row.place as usize];
                 row.u_tick = v - vector(seen, 0);
                 if fresh {
                     row.eps = row.gain * seen[ABSOLUTE];
                 }
                 drive.step[lane] = steps[row.place as usize];
+                (row.excess, row.expected) = (excess, drive.step[lane] * excess);
                 drive.a[lane] = a.map_or_else(Vec3::zeros, |a| a - vector(seen, 4));
             }
             relax((rows, coming), law, immersed, &drive, half);
@@ -124,7 +126,7 @@ impl Block {
         self.loose.spread_both(of, &mut self.both);
     }
 
-    /// Makes up for what the gas did beyond -eps dv, and spreads what each row then gives.
+    /// Makes up for what the gas did beyond -eps dv and what was expected, and spreads what each row then gives.
     pub fn refine(&mut self, touched: &[Parcel]) {
         SCRATCH.with_borrow_mut(|Scratch { sums, seen, .. }| {
             sums.clear();
@@ -133,7 +135,10 @@ impl Block {
             self.bundles.seen::<3, 4>(sums, seen);
             self.loose.seen(sums, seen);
             for (row, seen) in self.rows.iter_mut().zip(&*seen) {
-                row.dv += row.share * (vector(seen, 0) + row.eps * row.dv);
+                row.gas_dv = vector(seen, 0);
+                let more = row.gas_dv + row.eps * row.dv - row.expected;
+                row.dv += row.share * more;
+                row.excess += row.lasting * more;
             }
         });
         self.spread_impulse();
@@ -150,9 +155,9 @@ impl Block {
         SCRATCH.with_borrow_mut(|Scratch { motion, .. }| {
             motion.clear();
             let velocities = members.iter().map(|&i| immersed.velocity(i as usize));
-            motion.extend(velocities.map(|v| (v, None)));
+            motion.extend(velocities.map(|v| (v, None, Vec3::zeros())));
             for row in &self.rows {
-                let (v, _) = motion[row.place as usize];
+                let (v, ..) = motion[row.place as usize];
                 row.book(v, &mut booking);
                 if !settings.feedback {
                     row.give_away(domain.relative(row.x, v), &mut booking);
