@@ -25,6 +25,7 @@ mod gas {
     mod cooling;
     mod edges;
     mod extremes;
+    mod glass;
     mod sedov;
     pub mod shearing;
     mod shock_tube;

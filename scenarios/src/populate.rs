@@ -256,6 +256,7 @@ fn block(
             Arrangement::BodyCentred,
             block.spacing * 2f64.powf(1.0 / dimensions),
         ),
+        scene::Lattice::Glass => space.glass(block.spacing, scene.run.seed, purpose),
         scene::Lattice::Random => {
             let n = (space.volume() / block.spacing.powf(dimensions)).round() as usize;
             space.random(n, scene.run.seed, purpose, ids.0)

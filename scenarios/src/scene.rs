@@ -167,6 +167,8 @@ pub enum Lattice {
     Cubic,
     Bcc,
     Random,
+    /// Settled to equal density, continued periodically.
+    Glass,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -224,12 +224,13 @@ pub fn block(section: &Section<'_>, facts: &Facts) -> Block {
         ("cubic", Lattice::Cubic),
         ("bcc", Lattice::Bcc),
         ("random", Lattice::Random),
+        ("glass", Lattice::Glass),
     ];
-    let lattice = section.choice("lattice", &lattices, &["glass"]);
+    let lattice = section.choice("lattice", &lattices, &[]);
     if facts.dimensions == 2 && lattice == Some(Lattice::Bcc) {
         section.wrong(
             "lattice",
-            "is a lattice of three dimensions; allowed in two are \"cubic\", \"random\"",
+            "is a lattice of three dimensions; allowed in two are \"cubic\", \"random\", \"glass\"",
         );
     }
     let velocity = section.vector("velocity", Kind::VELOCITY);

@@ -167,6 +167,7 @@ fn write_block(text: &mut Text, block: &Block) {
             Lattice::Cubic => "cubic",
             Lattice::Bcc => "bcc",
             Lattice::Random => "random",
+            Lattice::Glass => "glass",
         },
     );
     text.number("density", block.density);
