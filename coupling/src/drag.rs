@@ -38,6 +38,7 @@ pub use operators::{BodyDrag, DustDrag};
 pub use prescribed::{DustInDisk, Ties};
 
 use block::Block;
+use group::RUN;
 use row::Row;
 use touched::Touched;
 
@@ -79,8 +80,15 @@ impl Settings {
     }
 }
 
-/// Immersed particles a block: blocks are fixed by the list of active particles alone, so that results do not depend on threads.
-const BLOCK: usize = 512;
+/// Fewest and most immersed particles a block, and how many blocks there are between.
+const BLOCK: [usize; 2] = [512, 4096];
+const BLOCKS: usize = 128;
+
+/// Immersed particles a block where `n` are active: nothing else fixes the blocks, so that results do not depend on threads.
+fn length(n: usize) -> usize {
+    let own = (n / BLOCKS).next_multiple_of(RUN);
+    own.clamp(BLOCK[0], BLOCK[1])
+}
 
 /// The pairs of the active particles at a tick, and the buffers of the exchange.
 #[derive(Clone, Debug)]
@@ -89,6 +97,8 @@ pub struct Exchange {
     active: Vec<u32>,
     blocks: Vec<Block>,
     used: usize,
+    /// members a block
+    length: usize,
     touched: Touched,
     /// Whether the sums over the touched gas are the loads of the prepared particles.
     fresh: bool,
@@ -107,6 +117,7 @@ impl Exchange {
             active: Vec::new(),
             blocks: Vec::new(),
             used: 0,
+            length: BLOCK[0],
             touched: Touched::default(),
             fresh: false,
             domain: Domain::open(),
@@ -126,21 +137,25 @@ impl Exchange {
         self.domain = *domain;
         self.active.clear();
         self.active.extend_from_slice(active);
-        self.used = active.len().div_ceil(BLOCK);
+        self.length = length(active.len());
+        self.used = active.len().div_ceil(self.length);
         if self.blocks.len() < self.used {
             self.blocks.resize_with(self.used, Block::default);
         }
         let (settings, seen) = (&self.settings, &*immersed);
         self.blocks[..self.used]
             .par_iter_mut()
-            .zip(active.par_chunks(BLOCK))
+            .zip(active.par_chunks(self.length))
             .for_each(|(block, members)| {
                 block.link(gas, seen, members, (domain, &settings.reach));
                 if settings.feedback {
                     block.spread_load();
                 }
             });
-        for (block, members) in self.blocks[..self.used].iter().zip(active.chunks(BLOCK)) {
+        for (block, members) in self.blocks[..self.used]
+            .iter()
+            .zip(active.chunks(self.length))
+        {
             block.keep_smoothing(immersed, members);
         }
         if settings.feedback {
@@ -190,10 +205,10 @@ impl Exchange {
         let (seen, see) = (&*immersed, &*gas);
         let fresh = std::mem::take(&mut self.fresh);
         let loads = fresh.then_some(self.touched.loads.as_slice());
-        let active = &self.active;
+        let (active, length) = (&self.active, self.length);
         blocks
             .par_iter_mut()
-            .zip(active.par_chunks(BLOCK).zip(steps.par_chunks(BLOCK)))
+            .zip(active.par_chunks(length).zip(steps.par_chunks(length)))
             .for_each(|(block, (members, steps))| {
                 let seen = (seen, members);
                 block.relax(see, seen, loads, (steps, half), (settings, domain));
@@ -209,7 +224,7 @@ impl Exchange {
             let sums = &self.touched.sums;
             blocks
                 .par_iter_mut()
-                .zip(active.par_chunks(BLOCK))
+                .zip(active.par_chunks(length))
                 .for_each(|(block, members)| {
                     block.refine(sums);
                     block.settle((seen, members), (settings, domain));
@@ -217,7 +232,7 @@ impl Exchange {
             self.touched.sum_again(blocks, see);
         }
         let mut booking = Booking::default();
-        for (block, members) in blocks.iter().zip(active.chunks(BLOCK)) {
+        for (block, members) in blocks.iter().zip(active.chunks(length)) {
             booking += block.booking;
             block.push(immersed, members);
         }

@@ -13,7 +13,7 @@ mod weights;
 use nalgebra::Matrix3;
 use nbody::points::{Domain, Vec3};
 
-pub use bundle::{Bundle, Lanes};
+pub use bundle::{Bundle, Lanes, Rows};
 pub use candidates::Candidates;
 pub use weights::{Leverage, Shape, Weights, radius};
 

@@ -6,6 +6,7 @@ mod passes;
 
 use std::cell::RefCell;
 
+use dust::Sphere;
 use gas::Gas;
 use gas::probe::{Bundle, Candidates, Reach, Shape, Weights, isothermal, radius};
 use nbody::points::{Domain, Vec3};
@@ -13,9 +14,9 @@ use nbody::points::{Domain, Vec3};
 use super::bundles::Bundles;
 use super::group::{Cell, Member, RUN, cut};
 use super::loose::Loose;
-use super::row::{Outcome, Row};
+use super::row::{Outcome, Row, Wind};
 use super::slots::Slots;
-use super::{Booking, Both, Immersed, Parcel};
+use super::{ABSOLUTE, Booking, Both, Immersed, Parcel};
 
 /// Buffers of a thread while it works on a block.
 #[derive(Default)]
@@ -26,8 +27,12 @@ struct Scratch {
     seen: Vec<[f64; 8]>,
     /// what rows are to give in the other half of their step
     coming: Vec<Parcel>,
-    /// by place: velocities of the members, relative to a shear or not, their accelerations, and what they expect of the gas
-    motion: Vec<(Vec3, Option<Vec3>, Vec3)>,
+    /// what the members do, by place
+    motion: Vec<Motion>,
+    /// velocities of the members by place
+    velocity: Vec<Vec3>,
+    /// what the exchange did to the members, by place
+    outcome: Vec<Outcome>,
     /// Where members are relative to.
     origin: Vec3,
     members: Vec<Member>,
@@ -40,6 +45,16 @@ struct Scratch {
     bundle: Bundle,
     weights: Weights,
     slots: Slots,
+}
+
+/// What a member is, and what it does: velocity relative to a shear or not, and acceleration.
+#[derive(Clone, Copy)]
+struct Motion {
+    sphere: Sphere,
+    v: Vec3,
+    a: Option<Vec3>,
+    /// what it expects of the gas
+    excess: Vec3,
 }
 
 thread_local! {
@@ -61,9 +76,10 @@ pub struct Block {
     pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
-    /// by place: smoothing length of the gas around and the time to cross it, and what the exchange did
+    /// by place: smoothing length of the gas around and the time to cross it; what the exchange did; and what the members ask for
     around: Vec<[f64; 2]>,
     outcome: Vec<Outcome>,
+    wind: Vec<Wind>,
     /// what the exchange moved
     pub booking: Booking,
 }
@@ -76,9 +92,8 @@ fn vector(columns: &[f64], first: usize) -> Vec3 {
 /// How far beyond its last neighbourhood a particle first looks, by its radius.
 const MARGIN: f64 = 1.1;
 
-/// Fewest members that are bundled, and the most gas particles that they may share: beyond, most weights would be zeros.
+/// Fewest members that are bundled.
 const FEWEST: usize = 4;
-const WIDEST: usize = 192;
 
 impl Block {
     pub fn rows(&self) -> &[Row] {
@@ -174,6 +189,9 @@ impl Block {
         } = scratch;
         let (lo, hi) = (cell.lo + scratch.origin, cell.hi + scratch.origin);
         candidates.gather(gas, domain, lo, hi, available);
+        if cell.end - cell.first >= FEWEST {
+            bundle.enter(candidates, available);
+        }
         for first in (cell.first..cell.end).step_by(RUN) {
             let count = RUN.min(cell.end - first);
             let mut points = [(Vec3::zeros(), 0.0); RUN];
@@ -182,18 +200,18 @@ impl Block {
             }
             let points = &points[..count];
             let served = if count >= FEWEST {
-                bundle.fit(candidates, domain, points, available, (reach, WIDEST))
+                let bundles = &mut self.bundles;
+                let points = (points, available);
+                bundles.fit(bundle, candidates, (domain, reach), points, first)
             } else {
                 0
             };
-            if served != 0 {
-                self.bundles.add(bundle, first, served);
-            }
             for (lane, &point) in points.iter().enumerate() {
                 let row = &mut self.rows[first + lane];
                 if served >> lane & 1 == 1 {
                     (row.h, row.rho) = (bundle.h[lane], bundle.rho[lane]);
                     (row.shape, row.gain) = (Shape::Linear, 1.0);
+                    row.absolute = bundle.absolute[lane];
                     continue;
                 }
                 if !weights.fit(candidates, domain, point, available, reach) {
@@ -201,6 +219,7 @@ impl Block {
                 }
                 (row.h, row.rho) = (weights.h, weights.rho);
                 (row.shape, row.gain) = (weights.shape, weights.gain);
+                row.absolute = weights.weight.iter().map(|w| w.abs()).sum();
                 self.loose.add(weights, first + lane);
             }
         }
@@ -212,28 +231,21 @@ impl Block {
         gas: &Gas,
         immersed: &I,
         domain: &Domain,
-        Scratch { field, seen, .. }: &mut Scratch,
+        Scratch { sums, seen, .. }: &mut Scratch,
     ) {
-        field.clear();
-        field.extend(self.gas.iter().map(|&j| {
+        sums.clear();
+        sums.extend(self.gas.iter().map(|&j| {
             let j = j as usize;
             let v = domain.relative(gas.particles.x[j], gas.rates.v_pred[j]);
-            [v.x, v.y, v.z, isothermal(gas, j), 1.0, 0.0, 0.0, 0.0]
+            [v.x, v.y, v.z, isothermal(gas, j)]
         }));
         empty(seen, self.rows.len(), [0.0; 8]);
+        self.bundles.seen::<4, 4>(sums, seen);
+        self.loose.seen(sums, seen);
         self.around.resize(self.rows.len(), [0.0; 2]);
-        self.bundles.heard::<5, 8>(field, seen);
-        self.loose.heard(field, seen);
-        for (row, heard) in self.rows.iter_mut().zip(&*seen) {
-            // Without neighbours everything is zero, and the time to cross infinite.
-            let norm = if heard[4] > 0.0 { heard[4] } else { 1.0 };
-            row.c = (heard[3] / norm).sqrt();
-            let u = domain.relative(row.x, immersed.velocity(row.i as usize));
-            let u = u - vector(heard, 0) / norm;
-            row.crossing = match row.shape {
-                Shape::Empty => f64::INFINITY,
-                _ => row.h / (row.c + u.norm()),
-            };
+        for (row, seen) in self.rows.iter_mut().zip(&*seen) {
+            let v = domain.relative(row.x, immersed.velocity(row.i as usize));
+            row.hear(v - vector(seen, 0), seen[ABSOLUTE]);
             self.around[row.place as usize] = [row.h, row.crossing];
         }
     }

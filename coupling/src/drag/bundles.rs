@@ -1,16 +1,18 @@
 //! Bundles: the weights of immersed particles that share their gas, eight at once, and sums over them.
 
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4, f64x8};
-use gas::probe::{Bundle, Lanes};
+use gas::probe::{Bundle, Candidates, Lanes, Reach, Rows};
+use nbody::points::{Domain, Vec3};
 
 use super::group::RUN;
 use super::{ABSOLUTE, Both, Parcel};
 
-/// Rows from `row` on, those in the lanes `served` alone, with the weights `start..end`.
+/// Rows from `row` on, those in the lanes `served` alone, with the weights `start..end` by their sums.
 #[derive(Clone, Copy, Debug)]
 struct Lot {
     row: usize,
     served: u8,
+    norm: Lanes,
     start: usize,
     end: usize,
 }
@@ -18,9 +20,12 @@ struct Lot {
 #[derive(Clone, Debug, Default)]
 pub struct Bundles {
     lots: Vec<Lot>,
-    slot: Vec<u32>,
-    weight: Vec<Lanes>,
+    /// slots and weights
+    rows: Rows,
 }
+
+/// The most gas particles that the rows of a lot may share: beyond, most weights would be zeros.
+const WIDEST: usize = 192;
 
 impl Lot {
     fn lanes(&self) -> impl Iterator<Item = usize> {
@@ -32,37 +37,47 @@ impl Lot {
 impl Bundles {
     pub fn clear(&mut self) {
         self.lots.clear();
-        self.slot.clear();
-        self.weight.clear();
+        self.rows.clear();
     }
 
     /// Shows the slots of all weights; they are gas particles until they are numbered.
     pub fn name(&mut self, slot: impl FnMut(&mut u32)) {
-        self.slot.iter_mut().for_each(slot);
+        self.rows.index_mut().iter_mut().for_each(slot);
     }
 
-    /// Appends the lanes `served` of a bundle as rows from `row` on.
-    pub fn add(&mut self, bundle: &Bundle, row: usize, served: u8) {
-        let start = self.slot.len();
-        self.slot.extend_from_slice(bundle.index());
-        bundle.append(&mut self.weight);
-        let end = self.slot.len();
-        self.lots.push(Lot {
-            row,
-            served,
-            start,
-            end,
-        });
+    /// Finds weights for the `points` of the rows from `row` on; those that got some are set in the answer.
+    pub fn fit(
+        &mut self,
+        bundle: &mut Bundle,
+        candidates: &Candidates,
+        (domain, reach): (&Domain, &Reach),
+        points: (&[(Vec3, f64)], f64),
+        row: usize,
+    ) -> u8 {
+        let start = self.rows.len();
+        let served = bundle.fit(candidates, domain, points, (reach, WIDEST), &mut self.rows);
+        if served != 0 {
+            self.lots.push(Lot {
+                row,
+                served,
+                norm: bundle.norm,
+                start,
+                end: self.rows.len(),
+            });
+        }
+        served
     }
 
-    /// The first M columns of a field of the slots, at each row; the fourth of them by |w|.
+    /// The weights of a lot, and their slots.
+    fn weights(&self, lot: &Lot) -> impl Iterator<Item = (&Lanes, &u32)> {
+        let range = lot.start..lot.end;
+        let slots = &self.rows.index()[range.clone()];
+        self.rows.weight()[range].iter().zip(slots)
+    }
+
+    /// The first M columns of a field of the slots, at each row; the fourth of each four by |w|.
     pub fn seen<const M: usize, const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |k, w| if k == ABSOLUTE { w.abs() } else { w }));
-    }
-
-    /// All of them by |w|.
-    pub fn heard<const M: usize, const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |_, w| w.abs()));
+        nbody::widest!(Level::new(), simd => self.gather::<_, M, N>(simd, field, seen, #[inline(always)] |k, w| if k % 4 == ABSOLUTE { w.abs() } else { w }));
     }
 
     #[inline(always)]
@@ -75,8 +90,7 @@ impl Bundles {
     ) {
         for lot in &self.lots {
             let mut sums = [f64x8::splat(simd, 0.0); M];
-            let range = lot.start..lot.end;
-            for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
+            for (weight, &slot) in self.weights(lot) {
                 let w = f64x8::from_slice(simd, weight);
                 let value = &field[slot as usize];
                 for (k, (sum, &value)) in sums.iter_mut().zip(value).enumerate() {
@@ -84,8 +98,9 @@ impl Bundles {
                 }
             }
             let mut columns = [[0.0; RUN]; M];
+            let norm = f64x8::from_slice(simd, &lot.norm);
             for (column, sum) in columns.iter_mut().zip(sums) {
-                sum.store_slice(column);
+                (sum * norm).store_slice(column);
             }
             for lane in lot.lanes() {
                 let seen = &mut seen[lot.row + lane];
@@ -114,10 +129,9 @@ impl Bundles {
         for lot in &self.lots {
             let mut given = [V::splat(simd, 0.0); RUN];
             for lane in lot.lanes() {
-                given[lane] = V::from_slice(simd, &of(lot.row + lane));
+                given[lane] = V::from_slice(simd, &of(lot.row + lane)) * lot.norm[lane];
             }
-            let range = lot.start..lot.end;
-            for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
+            for (weight, &slot) in self.weights(lot) {
                 let part = &mut partial[slot as usize];
                 let mut sum = V::from_slice(simd, part);
                 for (&w, given) in weight.iter().zip(given) {
@@ -138,10 +152,9 @@ impl Bundles {
         for lot in &self.lots {
             let mut weighs = [0.0; RUN];
             lot.lanes()
-                .for_each(|lane| weighs[lane] = of(lot.row + lane));
+                .for_each(|lane| weighs[lane] = of(lot.row + lane) * lot.norm[lane]);
             let weighs = f64x8::from_slice(simd, &weighs);
-            let range = lot.start..lot.end;
-            for (weight, &slot) in self.weight[range.clone()].iter().zip(&self.slot[range]) {
+            for (weight, &slot) in self.weights(lot) {
                 let weight = f64x8::from_slice(simd, weight).abs();
                 loads[slot as usize] += (weight * weighs).reduce_sum();
             }

@@ -1,24 +1,32 @@
 //! Group: immersed particles in the order in which a block serves them, cut into cells that share candidates and runs that share weights.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, f32x4, i32x16};
 use nbody::points::{Domain, Vec3};
 
 /// Most members of a run.
 pub const RUN: usize = 8;
 
 /// Most members of a cell.
-const MOST: usize = 256;
+const MOST: usize = 512;
 
 /// Largest extent of a cell by the largest smoothing length of a member.
-const EXTENT: f64 = 3.0;
+const EXTENT: f64 = 4.0;
 
 /// Ratio of the smoothing lengths in a cell.
 const RATIO: f64 = 1.5;
+
+/// Most members that are brought into order by counting how many come before each.
+const COUNTED: usize = 256;
+
+/// Members that are counted for at once.
+const WIDE: usize = 16;
 
 /// How much larger than its members' places in single precision a cell is, by its distance from the origin of these.
 const SLACK: f64 = 1e-6;
 
 /// A member: where it is in space, relative to an origin near by, and its place in the block's list.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Member {
     pub x: [f32; 3],
     pub place: u32,
@@ -36,14 +44,18 @@ pub struct Cell {
 
 /// The box around members.
 fn ends(members: &[Member]) -> (Vec3, Vec3) {
-    let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for member in members {
-        for axis in 0..3 {
-            lo[axis] = lo[axis].min(member.x[axis]);
-            hi[axis] = hi[axis].max(member.x[axis]);
-        }
+    nbody::widest!(Level::new(), simd => ends_lanes(simd, members))
+}
+
+#[inline(always)]
+fn ends_lanes<S: Simd>(simd: S, members: &[Member]) -> (Vec3, Vec3) {
+    let mut lo = f32x4::splat(simd, f32::INFINITY);
+    let mut hi = -lo;
+    for &Member { x: [x, y, z], .. } in members {
+        let x = f32x4::simd_from(simd, [x, y, z, 0.0]);
+        (lo, hi) = (lo.min(x), hi.max(x));
     }
-    let vector = |x: [f32; 3]| Vec3::from(x.map(f64::from));
+    let vector = |x: f32x4<S>| Vec3::new(f64::from(x[0]), f64::from(x[1]), f64::from(x[2]));
     (vector(lo), vector(hi))
 }
 
@@ -111,6 +123,89 @@ fn halve(members: &mut [Member], domain: &Domain) -> usize {
     } else {
         half
     };
-    members.select_nth_unstable_by(middle, |a, b| a.x[axis].total_cmp(&b.x[axis]));
+    match members.len() {
+        0..=16 => nbody::widest!(Level::new(), simd => order::<_, 16>(simd, members, axis)),
+        17..=64 => nbody::widest!(Level::new(), simd => order::<_, 64>(simd, members, axis)),
+        65..=COUNTED => {
+            nbody::widest!(Level::new(), simd => order::<_, COUNTED>(simd, members, axis));
+        }
+        _ => {
+            members.select_nth_unstable_by(middle, |a, b| a.x[axis].total_cmp(&b.x[axis]));
+        }
+    }
     middle
+}
+
+/// Orders up to N members along an axis, to some 16 bits of their places.
+#[inline(always)]
+fn order<S: Simd, const N: usize>(simd: S, members: &mut [Member], axis: usize) {
+    let n = members.len();
+    let mut keys = [i32::MAX; N];
+    for ((key, member), k) in keys.iter_mut().zip(&*members).zip(0..) {
+        let bits = member.x[axis].to_bits().cast_signed();
+        // Of negative numbers the larger bits are the lower number. The lowest bits make the keys differ.
+        let rising = bits ^ ((bits >> 31) & i32::MAX);
+        *key = rising & !(N as i32 - 1) | k;
+    }
+    let mut ordered = [Member::default(); N];
+    for (own, members) in keys.as_chunks::<WIDE>().0.iter().zip(members.chunks(WIDE)) {
+        let own = i32x16::from_slice(simd, own);
+        let mut before = i32x16::splat(simd, 0);
+        for &key in &keys[..n] {
+            let later = own.simd_gt(i32x16::splat(simd, key));
+            before = later.select(before + 1, before);
+        }
+        let mut ranks = [0; WIDE];
+        before.store_slice(&mut ranks);
+        for (member, rank) in members.iter().zip(ranks) {
+            ordered[rank as usize % N] = *member;
+        }
+    }
+    members.copy_from_slice(&ordered[..n]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Members at scattered places on both sides of their origin, some of them at the same.
+    fn scattered(n: usize) -> Vec<Member> {
+        let place = |k: usize, factor: f64| ((k as f64 * factor).fract() - 0.5) as f32;
+        (0..n)
+            .map(|k| Member {
+                x: [
+                    place(k % 90, 0.819_172_5),
+                    place(k, 0.671_043_6),
+                    place(k / 2, 0.549_700_5),
+                ],
+                place: k as u32,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn members_are_halved_along_the_longest_axis_in_whole_runs() {
+        for n in [2, 8, 9, 16, 17, 40, 64, 65, 100, 256, 257, 500] {
+            for axis in 0..3 {
+                let mut members = scattered(n);
+                members.iter_mut().for_each(|member| member.x[axis] *= 3.0);
+                let middle = halve(&mut members, &Domain::open());
+                assert!(
+                    middle == n / 2 || middle.is_multiple_of(RUN),
+                    "{middle} of {n}"
+                );
+                let (low, high) = members.split_at(middle);
+                let largest = low.iter().fold(f32::NEG_INFINITY, |m, a| m.max(a.x[axis]));
+                let least = high.iter().fold(f32::INFINITY, |m, a| m.min(a.x[axis]));
+                // Sixteen bits of one and a half.
+                assert!(
+                    largest <= least + 1.5 / 32768.0,
+                    "{n}, {axis}: {largest} {least}"
+                );
+                let mut places: Vec<u32> = members.iter().map(|member| member.place).collect();
+                places.sort_unstable();
+                assert!(places.into_iter().eq(0..n as u32), "{n}");
+            }
+        }
+    }
 }

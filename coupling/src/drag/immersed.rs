@@ -31,7 +31,11 @@ pub trait Immersed: Sync {
     fn keep_smoothing(&mut self, i: usize, h: f64, crossing: f64);
     /// Takes the change of velocity, and notes stopping time and density of the gas around.
     fn push(&mut self, i: usize, dv: Vec3, t_stop: f64, rho_gas: f64);
-    /// Is told the sound speed of the gas around and the velocity relative to it; most do not ask.
+    /// Whether the particles ask for the sound speed of the gas around, the velocity relative to it, or what to expect of it.
+    fn asks(&self) -> bool {
+        false
+    }
+    /// Is told these.
     fn hear(&mut self, _: usize, _c: f64, _slip: Vec3) {}
 }
 
@@ -136,6 +140,10 @@ impl Immersed for Grains<'_> {
         let stokes = if omega > 0.0 { t_stop * omega } else { 0.0 };
         let derived = &mut self.dust.derived;
         (derived.t_stop[i], derived.stokes[i], derived.rho_gas[i]) = (t_stop, stokes, rho_gas);
+    }
+
+    fn asks(&self) -> bool {
+        !self.dust.derived.c_gas.is_empty() || !self.dust.rates.excess.is_empty()
     }
 
     fn hear(&mut self, i: usize, c: f64, slip: Vec3) {

@@ -82,12 +82,12 @@ impl Loose {
         slots.zip(self.weight[range].iter().copied())
     }
 
-    /// The first columns of a field of the slots, at each row: vectors in the first three of each four columns; the fourth by |w|.
+    /// The columns of a field of the slots, at each row: vectors in the first three of each four columns; the fourth by |w|.
     pub fn seen<const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
         nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w: f64| {
             let mut first = [w; 4];
             first[ABSOLUTE] = w.abs();
-            [first, [w; 4]]
+            [first; 2]
         }));
         for own in self.own.iter().filter(|own| own.turn.is_some()) {
             for first in (0..N).step_by(4) {
@@ -95,11 +95,6 @@ impl Loose {
                 (0..3).for_each(|k| seen[own.row][first + k] -= turned[k]);
             }
         }
-    }
-
-    /// The same by |w|, without turns.
-    pub fn heard<const N: usize>(&self, field: &[[f64; N]], seen: &mut [[f64; 8]]) {
-        nbody::widest!(Level::new(), simd => self.gather(simd, field, seen, #[inline(always)] |w: f64| [[w.abs(); 4]; 2]));
     }
 
     #[inline(always)]

@@ -124,6 +124,7 @@ impl DustInDisk {
             row.book(v, &mut booking);
             row.give_away(v, &mut booking);
             row.outcome().push(&mut grains, i as usize);
+            row.wind().tell(&mut grains, i as usize);
         }
         book(system, &booking, false);
     }
@@ -157,6 +158,7 @@ fn relaxed(
     let drive = Drive {
         step: [step; ABREAST],
         a: [own - circling - frame.a; ABREAST],
+        sphere: [grains.sphere(i); ABREAST],
     };
     relax(
         (std::slice::from_mut(&mut row), &mut [[0.0; 4]]),

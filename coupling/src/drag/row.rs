@@ -1,6 +1,6 @@
 //! Row: one immersed particle in an exchange: the gas around it, and what it does.
 
-use dust::Abreast;
+use dust::{Abreast, Sphere};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f64x8};
 use gas::probe::Shape;
@@ -22,6 +22,8 @@ pub struct Row {
     pub crossing: f64,
     pub shape: Shape,
     pub gain: f64,
+    /// sum of |w|
+    pub absolute: f64,
     pub eps: f64,
     pub m: f64,
     pub t_stop: f64,
@@ -47,8 +49,12 @@ pub struct Outcome {
     dv: Vec3,
     t_stop: f64,
     rho: f64,
+}
+
+/// What a particle that asks is told of the gas around: the sound speed, the velocity relative to it after the exchange, and what to expect of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wind {
     c: f64,
-    /// velocity relative to the gas, after it
     slip: Vec3,
     /// acceleration of the gas beyond what the particle makes it do, as it is to be expected
     excess: Vec3,
@@ -58,6 +64,12 @@ impl Outcome {
     /// Gives particle `i` its change of velocity.
     pub fn push<I: Immersed>(&self, immersed: &mut I, i: usize) {
         immersed.push(i, self.dv, self.t_stop, self.rho);
+    }
+}
+
+impl Wind {
+    /// Tells particle `i`.
+    pub fn tell<I: Immersed>(&self, immersed: &mut I, i: usize) {
         immersed.hear(i, self.c, self.slip);
         immersed.keep_excess(i, self.excess);
     }
@@ -66,10 +78,11 @@ impl Outcome {
 /// Rows that are worked on at once.
 pub const ABREAST: usize = 8;
 
-/// What rows relax by: their half steps, and their relative accelerations.
+/// What rows relax by: their half steps, their relative accelerations, and what they are.
 pub struct Drive {
     pub step: [f64; ABREAST],
     pub a: [Vec3; ABREAST],
+    pub sphere: [Sphere; ABREAST],
 }
 
 /// The changes of up to eight rows over their half steps, as if the gas changed by -eps times that. If they open a step, `coming` is what they
@@ -86,7 +99,7 @@ pub fn relax<I: Immersed>(
     let particles: [usize; ABREAST] = std::array::from_fn(|lane| row(lane).i as usize);
     let abreast = Abreast::new(
         particles.map(|i| immersed.law(i, *law)),
-        particles.map(|i| immersed.sphere(i)),
+        drive.sphere,
         std::array::from_fn(|lane| Ambient {
             rho: row(lane).rho,
             c: row(lane).c,
@@ -226,6 +239,17 @@ fn columns<S: Simd>(vectors: &Vectors<S>) -> [[f64; ABREAST]; 3] {
 }
 
 impl Row {
+    /// Takes the velocity relative to the gas, and the square of the sound speed summed by |w|.
+    pub fn hear(&mut self, u: Vec3, square: f64) {
+        (self.c, self.crossing) = match self.shape {
+            Shape::Empty => (0.0, f64::INFINITY),
+            _ => {
+                let c = (square / self.absolute).sqrt();
+                (c, self.h / (c + u.norm()))
+            }
+        };
+    }
+
     /// Books the change of a particle of the velocity `v`.
     pub fn book(&self, v: Vec3, booking: &mut Booking) {
         booking.immersed.add((self.x, v), self.m, self.dv);
@@ -238,6 +262,12 @@ impl Row {
             dv: self.dv,
             t_stop: self.t_stop,
             rho: self.rho,
+        }
+    }
+
+    /// What it is to know of the gas around.
+    pub fn wind(&self) -> Wind {
+        Wind {
             c: self.c,
             // The gas around has changed by -eps dv.
             slip: self.u_tick + (1.0 + self.eps) * self.dv,

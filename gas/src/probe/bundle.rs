@@ -2,6 +2,7 @@
 //!
 //! The same weights as [`super::Weights`] finds where they are exact for linear fields; it leaves all other points to that.
 
+mod around;
 mod tilt;
 mod weigh;
 
@@ -11,39 +12,76 @@ use nbody::points::{Domain, Vec3};
 
 use super::Reach;
 use super::candidates::Candidates;
-use super::near::{FIRST, Kernel, LANES, TOLERANCE};
+use super::near::{Kernel, LANES};
 use super::weights::MOST_ABSOLUTE;
-use tilt::{Tilt, dot};
+use around::Around;
+use tilt::Tilt;
+use weigh::weigh;
 
 /// How far beyond its last neighbourhood a point is looked around for its new one, by the radius.
 const MARGIN: f64 = 1.03;
 
-/// Evaluations of the neighbour number for a point whose smoothing length changes as it does from tick to tick.
-const TRIES: usize = 4;
-
 /// A number for each point.
 pub type Lanes = [f64; LANES];
 
-/// The weights of points that share their gas. The columns only grow: what counts of them is said beside.
+/// Gas particles with their weights, a lane a point: zero outside of a point's kernel. The columns only grow; the first `count` rows count.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    index: Vec<u32>,
+    weight: Vec<Lanes>,
+    count: usize,
+}
+
+impl Rows {
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    pub fn index(&self) -> &[u32] {
+        &self.index[..self.count]
+    }
+
+    pub fn index_mut(&mut self) -> &mut [u32] {
+        &mut self.index[..self.count]
+    }
+
+    pub fn weight(&self) -> &[Lanes] {
+        &self.weight[..self.count]
+    }
+
+    /// Appends `n` rows, and returns them.
+    fn append(&mut self, n: usize) -> (&mut [u32], &mut [Lanes]) {
+        let first = self.count;
+        self.count += n;
+        grow(&mut self.index, self.count);
+        grow(&mut self.weight, self.count);
+        let range = first..self.count;
+        (&mut self.index[range.clone()], &mut self.weight[range])
+    }
+}
+
+/// The points that share their gas.
 #[derive(Clone, Debug, Default)]
 pub struct Bundle {
     /// smoothing length
     pub h: Lanes,
     /// density of the gas
     pub rho: Lanes,
-    rows: usize,
-    index: Vec<u32>,
-    /// weights by their sums
-    weight: Vec<Lanes>,
-    /// what brings the sums to one; zero for the lanes that are not served
-    norm: Lanes,
-    served: u8,
-    /// coordinates of the rows
-    row: Vec<[f64; 3]>,
-    near: usize,
-    /// places among the candidates, and distances, of those that are near
-    place: Vec<u32>,
-    distance: Vec<Lanes>,
+    /// What the weights are to be multiplied by for their sum to be one; zero for the points that are not served.
+    pub norm: Lanes,
+    /// sum of |w|
+    pub absolute: Lanes,
+    around: Around,
+    /// places among the candidates of what is listed
+    near: Vec<u32>,
 }
 
 /// Makes a column at least as long as `n`.
@@ -59,37 +97,22 @@ fn lanes<S: Simd>(simd: S, values: &Lanes) -> f64x8<S> {
 }
 
 impl Bundle {
-    /// Gas particle of each row of weights.
-    pub fn index(&self) -> &[u32] {
-        &self.index[..self.rows]
+    /// Takes candidates over, which are complete within `reach` of a box, for points in it.
+    pub fn enter(&mut self, candidates: &Candidates, reach: f64) {
+        nbody::widest!(Level::new(), _simd => self.around.enter(candidates, reach));
     }
 
-    /// Appends the weights, a row a gas particle, a lane a point; zero outside a point's kernel and for points that were not served.
-    pub fn append(&self, to: &mut Vec<Lanes>) {
-        nbody::widest!(Level::new(), simd => self.append_lanes(simd, to));
-    }
-
-    #[inline(always)]
-    fn append_lanes<S: Simd>(&self, simd: S, to: &mut Vec<Lanes>) {
-        let norm = lanes(simd, &self.norm);
-        to.extend(self.weight[..self.rows].iter().map(|weight| {
-            let mut normed = [0.0; LANES];
-            (lanes(simd, weight) * norm).store_slice(&mut normed);
-            normed
-        }));
-    }
-
-    /// Weights of the `points` (place, last smoothing length) from candidates that are complete within `available` of each. The lanes of those
-    /// served are set in the answer; none are if together they would have more than `most` gas particles.
+    /// Appends the weights of the `points` (place, last smoothing length) to `rows`, from candidates that were entered and are complete within
+    /// `available` of each. The points that are served are set in the answer; none are if together they would have more than `most` gas particles.
     pub fn fit(
         &mut self,
         candidates: &Candidates,
         domain: &Domain,
-        points: &[(Vec3, f64)],
-        available: f64,
+        (points, available): (&[(Vec3, f64)], f64),
         (reach, most): (&Reach, usize),
+        rows: &mut Rows,
     ) -> u8 {
-        nbody::widest!(Level::new(), simd => self.fit_lanes(simd, candidates, domain, points, available, (reach, most)))
+        nbody::widest!(Level::new(), simd => self.fit_lanes(simd, candidates, domain, (points, available), (reach, most), rows))
     }
 
     #[inline(always)]
@@ -98,12 +121,11 @@ impl Bundle {
         simd: S,
         candidates: &Candidates,
         domain: &Domain,
-        points: &[(Vec3, f64)],
-        available: f64,
+        (points, available): (&[(Vec3, f64)], f64),
         (reach, most): (&Reach, usize),
+        rows: &mut Rows,
     ) -> u8 {
         let kernel = Kernel::new(domain);
-        self.rows = 0;
         let (mut x, mut start) = ([[0.0; LANES]; 3], [0.0; LANES]);
         for lane in 0..LANES {
             // Lanes to spare repeat the last point.
@@ -114,144 +136,65 @@ impl Bundle {
         }
         let largest = start.iter().fold(0.0, |most: f64, &r| most.max(r));
         let available = available.min(MARGIN * largest);
-        if !self.choose(simd, candidates, &x, available, most) {
+        let near = self.around.choose(simd, &x, available);
+        if !(1..=most).contains(&near) {
             return 0;
         }
         let x = [lanes(simd, &x[0]), lanes(simd, &x[1]), lanes(simd, &x[2])];
-        self.distances(candidates, &x);
-        let start = lanes(simd, &start);
-        let wanted = (available, reach.neighbours);
-        let (radius, mut found) = self.radius(simd, kernel, start, wanted);
-        let moments = self.weigh(simd, candidates, kernel, &x, radius);
+        let wanted = (lanes(simd, &start), available, reach.neighbours);
+        let gas = (candidates, kernel);
+        let (radius, mut found) = self.around.radius(simd, gas, &x, wanted);
+        let (mass, count) = self.around.mass(simd, gas, radius, &mut self.near);
         (radius * (1.0 / kernel.ratio)).store_slice(&mut self.h);
-        let h = lanes(simd, &self.h);
-        let (tilt, regular) = Tilt::of(simd, domain, h, &x, &moments);
+        (mass * kernel.peaks(radius)).store_slice(&mut self.rho);
+        let near = &self.near[..count];
+        let (index, weights) = rows.append(count);
+        let x = [lanes(simd, &x[0]), lanes(simd, &x[1]), lanes(simd, &x[2])];
+        for (index, &k) in index.iter_mut().zip(near) {
+            *index = candidates.index(k as usize);
+        }
+        let moments = weigh(simd, candidates, (kernel, radius), &x, (near, weights));
+        let (tilt, regular) = Tilt::of(simd, domain, lanes(simd, &self.h), &x, &moments);
         found &= regular;
         found &= 0xff >> (LANES - points.len());
-        self.apply(simd, &tilt, moments.zeroth, found);
-        self.served
-    }
-
-    /// Lists the candidates within `available` of the box around the points; false if there are more than `most`.
-    #[inline(always)]
-    fn choose<S: Simd>(
-        &mut self,
-        simd: S,
-        candidates: &Candidates,
-        x: &[Lanes; 3],
-        available: f64,
-        most: usize,
-    ) -> bool {
-        let columns =
-            [&candidates.x, &candidates.y, &candidates.z].map(|c| c.as_chunks::<LANES>().0);
-        let ends = x.map(|x| {
-            let ends = (f64::INFINITY, f64::NEG_INFINITY);
-            x.iter().fold(ends, |(lo, hi), &x| (lo.min(x), hi.max(x)))
-        });
-        grow(&mut self.place, candidates.x.len() + LANES);
-        let mut near = 0;
-        let [xs, ys, zs] = columns;
-        for (c, ((x, y), z)) in xs.iter().zip(ys).zip(zs).enumerate() {
-            let mut square = f64x8::splat(simd, 0.0);
-            for (x, (lo, hi)) in [x, y, z].into_iter().zip(ends) {
-                let x = lanes(simd, x);
-                let gap = (x - hi).max(-x + lo).max(0.0);
-                square = gap.mul_add(gap, square);
-            }
-            let inside = square.simd_lt(available * available).to_bitmask() as u8;
-            // All lanes are written, those inside first; the next ones overwrite the rest.
-            let places = &mut self.place[near..near + LANES];
-            for (place, &lane) in places.iter_mut().zip(&FIRST[usize::from(inside)]) {
-                *place = (c * LANES) as u32 + lane;
-            }
-            near += inside.count_ones() as usize;
+        let tilted = (near, weights);
+        let (sums, served) = apply(simd, candidates, &tilt, (moments.zeroth, found), tilted);
+        sums[0].store_slice(&mut self.norm);
+        sums[1].store_slice(&mut self.absolute);
+        if served == 0 {
+            rows.count -= count;
         }
-        self.near = near;
-        (1..=most).contains(&near)
-    }
-
-    #[inline(always)]
-    fn distances<S: Simd>(&mut self, candidates: &Candidates, x: &[f64x8<S>; 3]) {
-        grow(&mut self.distance, self.near);
-        for (distance, &k) in self.distance.iter_mut().zip(&self.place[..self.near]) {
-            let [px, py, pz] = candidates.place(k as usize);
-            let r = [x[0] - px, x[1] - py, x[2] - pz];
-            dot(&r, &r).sqrt().store_slice(distance);
-        }
-    }
-
-    /// Brings each radius to where it holds the `wanted` smooth number, by Newton's method; the lanes in which that was done within `available`.
-    #[inline(always)]
-    fn radius<S: Simd>(
-        &self,
-        simd: S,
-        kernel: Kernel,
-        mut radius: f64x8<S>,
-        (available, wanted): (f64, f64),
-    ) -> (f64x8<S>, u8) {
-        let mut open = radius.simd_gt(0.0);
-        for _ in 0..TRIES {
-            let inverse = f64x8::splat(simd, 1.0) / radius;
-            let none = f64x8::splat(simd, 0.0);
-            let (mut value, mut slope) = (none, none);
-            for distance in &self.distance[..self.near] {
-                let q = lanes(simd, distance) * inverse;
-                let t = (-q + 1.0).max(0.0);
-                let t3 = t * t * t;
-                value = (t3 * t).mul_add(q.mul_add(4.0, 1.0), value);
-                slope = (q * q).mul_add(t3, slope);
-            }
-            let number = value * (kernel.central / wanted);
-            let steepness = slope * (20.0 * kernel.central / wanted);
-            radius = open.select(radius * step(simd, number, steepness), radius);
-            open &= (number - 1.0).abs().simd_ge(TOLERANCE);
-            if open.to_bitmask() == 0 {
-                break;
-            }
-        }
-        let inside = radius.simd_gt(0.0) & radius.simd_le(available);
-        let found = inside.to_bitmask() & !open.to_bitmask();
-        let radius = inside.select(radius, f64x8::splat(simd, available));
-        (radius, found as u8)
-    }
-
-    /// Tilts the weights of the lanes `found`, and keeps those whose weights are not too negative.
-    #[inline(always)]
-    fn apply<S: Simd>(&mut self, simd: S, tilt: &Tilt<S>, zeroth: f64x8<S>, found: u8) {
-        let none = f64x8::splat(simd, 0.0);
-        let mask = |set: u8| mask64x8::from_bitmask(simd, u64::from(set));
-        // The others may have no numbers at all.
-        let found_lanes = mask(found);
-        let level = found_lanes.select(tilt.level, none);
-        let [sx, sy, sz] = tilt.slope.map(|s| found_lanes.select(s, none));
-        let (mut total, mut absolute) = (none, none);
-        for (weight, row) in self.weight[..self.rows].iter_mut().zip(&self.row) {
-            let factor = sx.mul_add(f64x8::splat(simd, row[0]), level);
-            let factor = sy.mul_add(f64x8::splat(simd, row[1]), factor);
-            let factor = sz.mul_add(f64x8::splat(simd, row[2]), factor);
-            let w = lanes(simd, weight) * factor;
-            w.store_slice(weight);
-            total += w;
-            absolute += w.abs();
-        }
-        self.served = found & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
-        let norm = f64x8::splat(simd, 1.0) / total;
-        mask(self.served)
-            .select(norm, none)
-            .store_slice(&mut self.norm);
+        served
     }
 }
 
-/// Factor of a radius by Newton's method in logarithms, from the smooth number by the wanted one and its derivative by ln(radius); exact to
-/// rounding for the last step, and rough far from it.
+/// Tilts the weights of the lanes `found`; what brings their sums to one, and the sums of |w|; and those whose weights are not too negative.
 #[inline(always)]
-fn step<S: Simd>(simd: S, number: f64x8<S>, slope: f64x8<S>) -> f64x8<S> {
-    // -ln(number) = 2 artanh(z), and exp by its (2, 2) approximant.
-    let one = f64x8::splat(simd, 1.0);
-    let z = (one - number) / (one + number);
-    let z2 = z * z;
-    let log = z * 2.0 * z2.mul_add(z2.mul_add(0.2, 1.0 / 3.0), 1.0);
-    let x = (log * number / slope).max(-1.0).min(1.0);
-    let even = x.mul_add(x, 12.0);
-    (even + x * 6.0) / (even - x * 6.0)
+fn apply<S: Simd>(
+    simd: S,
+    candidates: &Candidates,
+    tilt: &Tilt<S>,
+    (zeroth, found): (f64x8<S>, u8),
+    (near, weights): (&[u32], &mut [Lanes]),
+) -> ([f64x8<S>; 2], u8) {
+    let none = f64x8::splat(simd, 0.0);
+    let mask = |set: u8| mask64x8::from_bitmask(simd, u64::from(set));
+    // The others may have no numbers at all.
+    let found_lanes = mask(found);
+    let level = found_lanes.select(tilt.level, none);
+    let [sx, sy, sz] = tilt.slope.map(|s| found_lanes.select(s, none));
+    let (mut total, mut absolute) = (none, none);
+    for (weight, &k) in weights.iter_mut().zip(near) {
+        let [x, y, z] = candidates.place(k as usize);
+        let factor = sx.mul_add(f64x8::splat(simd, x), level);
+        let factor = sy.mul_add(f64x8::splat(simd, y), factor);
+        let factor = sz.mul_add(f64x8::splat(simd, z), factor);
+        let w = lanes(simd, weight) * factor;
+        w.store_slice(weight);
+        total += w;
+        absolute += w.abs();
+    }
+    let served = found & absolute.simd_lt(zeroth * MOST_ABSOLUTE).to_bitmask() as u8;
+    let norm = mask(served).select(f64x8::splat(simd, 1.0) / total, none);
+    ([norm, absolute * norm], served)
 }

@@ -9,14 +9,15 @@ use crate::Gas;
 /// A coordinate further than anything, whose square is finite.
 const FAR: f64 = 1e150;
 
-/// Gas particles that may be neighbours of points in a box.
+/// Gas particles that may be neighbours of points in a box. The columns only grow; the first `count` numbers count.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     /// Origin of the coordinates.
     pub(super) centre: Vec3,
-    pub(super) x: Vec<f64>,
-    pub(super) y: Vec<f64>,
-    pub(super) z: Vec<f64>,
+    count: usize,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
     /// mass and volume
     mass: Vec<[f64; 2]>,
     index: Vec<u32>,
@@ -34,7 +35,13 @@ pub(super) struct Candidate {
 
 impl Candidates {
     pub fn len(&self) -> usize {
-        self.index.len()
+        self.count
+    }
+
+    /// The coordinates, filled up to whole lanes.
+    pub(super) fn columns(&self) -> [&[f64]; 3] {
+        let filled = self.count.next_multiple_of(LANES);
+        [&self.x[..filled], &self.y[..filled], &self.z[..filled]]
     }
 
     /// The candidate at place k.
@@ -51,6 +58,12 @@ impl Candidates {
         }
     }
 
+    /// Gas particle of the candidate at place k.
+    #[inline(always)]
+    pub(super) fn index(&self, k: usize) -> u32 {
+        self.index[k]
+    }
+
     /// Mass of the candidate at place k.
     #[inline(always)]
     pub(super) fn mass(&self, k: usize) -> f64 {
@@ -64,10 +77,10 @@ impl Candidates {
     }
 
     pub fn is_empty(&self) -> bool {
-        self.index.is_empty()
+        self.count == 0
     }
 
-    /// Collects all gas within `reach` of the box [lo, hi], images included. The columns of coordinates are filled up to whole lanes.
+    /// Collects all gas within `reach` of the box [lo, hi], images included.
     pub fn gather(&mut self, gas: &Gas, domain: &Domain, lo: Vec3, hi: Vec3, reach: f64) {
         self.centre = 0.5 * (lo + hi);
         let half = 0.5 * (hi - lo);
@@ -81,7 +94,7 @@ impl Candidates {
         let mut n = 0;
         gas.tree.near(domain, (lo, hi), reach, &[], |range, shift| {
             let most = n + range.len();
-            self.resize(most);
+            self.grow(most);
             let (px, py) = (&mut self.x[n..most], &mut self.y[n..most]);
             let (pz, index) = (&mut self.z[n..most], &mut self.index[n..most]);
             let offset = shift - self.centre;
@@ -96,7 +109,7 @@ impl Candidates {
         nbody::widest!(Level::new(), simd => n = self.keep(simd, half, reach));
         self.fill(n);
         self.mass.clear();
-        self.mass.extend(self.index.iter().map(|&j| {
+        self.mass.extend(self.index[..n].iter().map(|&j| {
             let m = gas.particles.m[j as usize];
             [m, m / gas.derived.rho[j as usize]]
         }));
@@ -106,8 +119,7 @@ impl Candidates {
     #[inline(always)]
     fn keep<S: Simd>(&mut self, simd: S, half: Vec3, reach: f64) -> usize {
         let mut n = 0;
-        self.index.resize(self.x.len(), 0);
-        for first in (0..self.x.len()).step_by(LANES) {
+        for first in (0..self.count).step_by(LANES) {
             let range = first..first + LANES;
             let x = f64x8::from_slice(simd, &self.x[range.clone()]);
             let y = f64x8::from_slice(simd, &self.y[range.clone()]);
@@ -138,17 +150,23 @@ impl Candidates {
 
     /// Leaves `n` candidates; the columns of coordinates are filled up to whole lanes.
     fn fill(&mut self, n: usize) {
-        self.resize(n);
+        self.grow(n);
+        self.count = n;
+        let end = n.next_multiple_of(LANES);
         for column in [&mut self.x, &mut self.y, &mut self.z] {
-            column.resize(n.next_multiple_of(LANES), FAR);
+            column[n..end].fill(FAR);
         }
     }
 
-    fn resize(&mut self, n: usize) {
-        for column in [&mut self.x, &mut self.y, &mut self.z] {
-            column.resize(n, 0.0);
+    /// Makes room for `n` candidates and whole lanes.
+    fn grow(&mut self, n: usize) {
+        let room = n.next_multiple_of(LANES);
+        if self.index.len() < room {
+            for column in [&mut self.x, &mut self.y, &mut self.z] {
+                column.resize(room, 0.0);
+            }
+            self.index.resize(room, 0);
         }
-        self.index.resize(n, 0);
     }
 }
 

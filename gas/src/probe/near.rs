@@ -38,12 +38,25 @@ impl Kernel {
 
     /// W(0) for radius H.
     pub fn peak(&self, radius: f64) -> f64 {
-        let unit_volume = if self.dimensions == 2 {
-            std::f64::consts::PI
-        } else {
-            4.0 / 3.0 * std::f64::consts::PI
+        self.central / (self.unit_volume() * radius.powi(self.dimensions))
+    }
+
+    /// [`Kernel::peak`] of eight radii.
+    #[inline(always)]
+    pub fn peaks<S: Simd>(&self, radius: f64x8<S>) -> f64x8<S> {
+        let square = radius * radius;
+        let volume = match self.dimensions {
+            2 => square,
+            _ => square * radius,
         };
-        self.central / (unit_volume * radius.powi(self.dimensions))
+        f64x8::splat(radius.simd, self.central / self.unit_volume()) / volume
+    }
+
+    fn unit_volume(&self) -> f64 {
+        match self.dimensions {
+            2 => std::f64::consts::PI,
+            _ => 4.0 / 3.0 * std::f64::consts::PI,
+        }
     }
 }
 
@@ -114,14 +127,13 @@ impl Near {
     /// Keeps the candidates within `available` of `x`, and their distances, filled up to whole lanes with distances beyond.
     #[inline(always)]
     pub fn choose<S: Simd>(&mut self, simd: S, candidates: &Candidates, x: Vec3, available: f64) {
-        let room = candidates.x.len() + LANES;
+        let room = candidates.len().next_multiple_of(LANES) + LANES;
         if self.place.len() < room {
             self.place.resize(room, 0);
             self.square.resize(room, 0.0);
         }
         let most = available * available;
-        let columns =
-            [&candidates.x, &candidates.y, &candidates.z].map(|c| c.as_chunks::<LANES>().0);
+        let columns = candidates.columns().map(|c| c.as_chunks::<LANES>().0);
         let square = self.square.as_chunks_mut::<LANES>().0;
         let mut near = 0;
         for (c, square) in square.iter_mut().enumerate().take(columns[0].len()) {

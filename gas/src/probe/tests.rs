@@ -179,17 +179,25 @@ fn a_bundle_finds_the_weights_that_its_points_have_by_themselves() {
     let (mut candidates, mut own) = (Candidates::default(), Candidates::default());
     candidates.gather(&gas, &domain, Vec3::repeat(0.3), Vec3::repeat(1.0), 0.3);
     let (mut bundle, mut weights) = (Bundle::default(), Weights::default());
-    let served = bundle.fit(&candidates, &domain, &points, 0.3, (&REACH, 4000));
+    let mut rows = Rows::default();
+    bundle.enter(&candidates, 0.3);
+    let served = bundle.fit(
+        &candidates,
+        &domain,
+        (&points, 0.3),
+        (&REACH, 4000),
+        &mut rows,
+    );
     assert_eq!(served, 0b11_1111);
-    let mut weight = Vec::new();
-    bundle.append(&mut weight);
-    assert!(weight.iter().all(|w| w[6] == 0.0 && w[7] == 0.0));
+    assert!(bundle.norm[6] == 0.0 && bundle.norm[7] == 0.0);
+    let normed = |w: &Lanes| std::array::from_fn(|lane| w[lane] * bundle.norm[lane]);
+    let weight: Vec<Lanes> = rows.weight().iter().map(normed).collect();
     for (lane, &point) in points[..6].iter().enumerate() {
         weights.find(&mut own, &gas, &domain, point, &REACH);
         // Newton's method ends where the number is right to 1e-6.
         assert!((bundle.h[lane] / weights.h - 1.0).abs() < 1e-6);
         assert!((bundle.rho[lane] / weights.rho - 1.0).abs() < 1e-6);
-        let pairs = || bundle.index().iter().zip(&weight);
+        let pairs = || rows.index().iter().zip(&weight);
         let sum: f64 = pairs().map(|(_, w)| w[lane]).sum();
         let field = |j: usize| linear(gas.particles.x[j]);
         let seen: Vec3 = pairs().map(|(&j, w)| w[lane] * field(j as usize)).sum();

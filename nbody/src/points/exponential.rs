@@ -38,11 +38,18 @@ pub fn lost<S: Simd>(simd: S, x: f64x8<S>) -> f64x8<S> {
 /// A polynomial by its coefficients from the lowest on.
 #[inline(always)]
 pub fn series<S: Simd>(simd: S, x: f64x8<S>, coefficients: &[f64]) -> f64x8<S> {
-    let mut sum = f64x8::splat(simd, 0.0);
-    for &c in coefficients.iter().rev() {
-        sum = x.mul_add(sum, f64x8::splat(simd, c));
+    // Even and odd powers by themselves: two sums that do not wait for each other.
+    let none = f64x8::splat(simd, 0.0);
+    let (mut even, mut odd) = (none, none);
+    let square = x * x;
+    for pair in coefficients.chunks(2).rev() {
+        even = square.mul_add(even, f64x8::splat(simd, pair[0]));
+        odd = match pair {
+            &[_, c] => square.mul_add(odd, f64x8::splat(simd, c)),
+            _ => none,
+        };
     }
-    sum
+    x.mul_add(odd, even)
 }
 
 /// 1/3, 1/5, ..., enough for arguments below 1/5.

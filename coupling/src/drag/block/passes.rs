@@ -4,8 +4,8 @@ use gas::Gas;
 use gas::probe::Shape;
 use nbody::points::{Domain, Vec3};
 
-use super::{Block, SCRATCH, Scratch, empty, vector};
-use crate::drag::row::{ABREAST, Drive, Outcome, relax};
+use super::{Block, Motion, SCRATCH, Scratch, empty, vector};
+use crate::drag::row::{ABREAST, Drive, Outcome, Wind, relax};
 use crate::drag::{ABSOLUTE, Booking, Half, Immersed, Parcel, Settings, StoppingLaw};
 
 impl Block {
@@ -28,8 +28,12 @@ impl Block {
                 let i = i as usize;
                 let v = domain.relative(immersed.position(i), immersed.velocity(i));
                 let a = immersed.acceleration(i).filter(|_| joint);
-                let a = a.map(|a| a + turning(domain, v));
-                (v, a, immersed.excess(i))
+                Motion {
+                    sphere: immersed.sphere(i),
+                    v,
+                    a: a.map(|a| a + turning(domain, v)),
+                    excess: immersed.excess(i),
+                }
             }));
             self.change(
                 immersed,
@@ -92,14 +96,21 @@ impl Block {
             let mut drive = Drive {
                 step: [0.0; ABREAST],
                 a: [Vec3::zeros(); ABREAST],
+                sphere: [motion[rows[0].place as usize].sphere; ABREAST],
             };
             for (lane, (row, seen)) in rows.iter_mut().zip(seen).enumerate() {
-                let (v, a, excess) = motion[row.place as usize];
+                let Motion {
+                    sphere,
+                    v,
+                    a,
+                    excess,
+                } = motion[row.place as usize];
                 row.u_tick = v - vector(seen, 0);
                 if fresh {
                     row.eps = row.gain * seen[ABSOLUTE];
                 }
                 drive.step[lane] = steps[row.place as usize];
+                drive.sphere[lane] = sphere;
                 (row.excess, row.expected) = (excess, drive.step[lane] * excess);
                 drive.a[lane] = a.map_or_else(Vec3::zeros, |a| a - vector(seen, 4));
             }
@@ -151,23 +162,36 @@ impl Block {
         (settings, domain): (&Settings, &Domain),
     ) {
         let mut booking = Booking::default();
-        self.outcome.resize(self.rows.len(), Outcome::default());
-        SCRATCH.with_borrow_mut(|Scratch { motion, .. }| {
-            motion.clear();
-            let velocities = members.iter().map(|&i| immersed.velocity(i as usize));
-            motion.extend(velocities.map(|v| (v, None, Vec3::zeros())));
-            for row in &self.rows {
-                let (v, ..) = motion[row.place as usize];
-                row.book(v, &mut booking);
-                if !settings.feedback {
-                    row.give_away(domain.relative(row.x, v), &mut booking);
+        SCRATCH.with_borrow_mut(
+            |Scratch {
+                 velocity, outcome, ..
+             }| {
+                outcome.resize(self.rows.len(), Outcome::default());
+                velocity.clear();
+                velocity.extend(members.iter().map(|&i| immersed.velocity(i as usize)));
+                for row in &self.rows {
+                    let v = velocity[row.place as usize];
+                    row.book(v, &mut booking);
+                    if !settings.feedback {
+                        row.give_away(domain.relative(row.x, v), &mut booking);
+                    }
+                    booking.rigid += usize::from(row.shape == Shape::Rigid);
+                    booking.plain += usize::from(row.shape == Shape::Plain);
+                    booking.without_gas += usize::from(row.shape == Shape::Empty);
+                    outcome[row.place as usize] = row.outcome();
                 }
-                booking.rigid += usize::from(row.shape == Shape::Rigid);
-                booking.plain += usize::from(row.shape == Shape::Plain);
-                booking.without_gas += usize::from(row.shape == Shape::Empty);
-                self.outcome[row.place as usize] = row.outcome();
+                // The block's own is far away in memory: written from end to end.
+                self.outcome.clear();
+                self.outcome.extend_from_slice(&outcome[..self.rows.len()]);
+            },
+        );
+        self.wind.clear();
+        if immersed.asks() {
+            self.wind.resize(self.rows.len(), Wind::default());
+            for row in &self.rows {
+                self.wind[row.place as usize] = row.wind();
             }
-        });
+        }
         self.booking = booking;
     }
 
@@ -175,6 +199,9 @@ impl Block {
     pub fn push<I: Immersed>(&self, immersed: &mut I, members: &[u32]) {
         for (&i, outcome) in members.iter().zip(&self.outcome) {
             outcome.push(immersed, i as usize);
+        }
+        for (&i, wind) in members.iter().zip(&self.wind) {
+            wind.tell(immersed, i as usize);
         }
     }
 }
