@@ -1,6 +1,7 @@
 //! What drag between dust and gas costs: CPU time of the parts of a tick, an active grain.
 //!
-//! `RAYON_NUM_THREADS=1 cargo run --release -p tridisk-coupling --example drag_cost -- 10 4 40`: ten grains a gas particle, four ticks, 40^3 gas particles.
+//! `RAYON_NUM_THREADS=1 cargo run --release -p tridisk-coupling --example drag_cost -- 10 4 40 1`: ten grains a gas particle, four ticks, 40^3 gas
+//! particles, grains of one kind; of several kinds the radii spread over a factor of a thousand.
 
 use coupling::drag::{Exchange, Grains, Half, Settings, Star};
 use cpu_time::ProcessTime;
@@ -87,12 +88,18 @@ fn main() {
     let ticks = arguments.next().unwrap_or(4.0) as usize;
     let edge = arguments.next().unwrap_or(40.0) as usize;
     let (mut gas, domain) = (gas(edge), Domain::periodic(Vec3::repeat(1.0)));
+    let kinds = arguments.next().unwrap_or(1.0);
     let mut dust = grains((ratio * gas.len() as f64) as usize);
+    for (i, radius) in dust.particles.grain_radius.iter_mut().enumerate() {
+        *radius = 1e3f64.powf((i as f64 % kinds) / kinds);
+    }
     let reach = Reach {
         neighbours: 57.0,
         largest: 4.0 / edge as f64,
     };
-    let mut exchange = Exchange::new(Settings::new(StoppingLaw::Epstein, reach));
+    let mut settings = Settings::new(StoppingLaw::Epstein, reach);
+    settings.several = kinds > 1.0;
+    let mut exchange = Exchange::new(settings);
     let active: Vec<u32> = (0..dust.len() as u32).collect();
     let steps = vec![STEP; active.len()];
     let mut spent = [0.0; 3];

@@ -18,6 +18,7 @@ mod bundles;
 mod course;
 mod group;
 mod immersed;
+mod kinds;
 mod loose;
 mod operators;
 mod prescribed;
@@ -39,6 +40,7 @@ pub use prescribed::{DustInDisk, Ties};
 
 use block::Block;
 use group::RUN;
+use kinds::Kinds;
 use row::Row;
 use touched::Touched;
 
@@ -64,6 +66,8 @@ pub struct Settings {
     pub bound: bool,
     /// Whether drag and the kick of the half step are solved together.
     pub joint: bool,
+    /// Whether particles differ in their stopping times in the same gas, so that what they do to each other through it is solved, too.
+    pub several: bool,
 }
 
 impl Settings {
@@ -76,6 +80,7 @@ impl Settings {
             heat_share: 1.0,
             bound: false,
             joint: true,
+            several: false,
         }
     }
 }
@@ -217,6 +222,11 @@ impl Exchange {
                 }
             });
         if settings.feedback {
+            if settings.several {
+                let steps = (steps, length, half);
+                consider_kinds(blocks, &mut self.touched, see, steps);
+            }
+            blocks.par_iter_mut().for_each(|block| block.spread(half));
             match half {
                 Half::Closing => self.touched.sum_impulses(blocks, see),
                 Half::Opening => self.touched.sum_both(blocks, see),
@@ -246,6 +256,32 @@ impl Exchange {
         }
         booking
     }
+}
+
+/// Lets the rows of all blocks respond to what particles of other stopping times do, `length` half steps a block.
+fn consider_kinds(
+    blocks: &mut [Block],
+    touched: &mut Touched,
+    gas: &Gas,
+    (steps, length, half): (&[f64], usize, Half),
+) {
+    let own = |blocks: &mut [Block], pass: &(dyn Fn(&mut Block, &[f64]) + Sync)| {
+        let both = blocks.par_iter_mut().zip(steps.par_chunks(length));
+        both.for_each(|(block, steps)| pass(block, steps));
+    };
+    own(blocks, &Block::find_kinds);
+    let kinds = (blocks.iter()).fold(Kinds::default(), |all, block| all.with(block.kinds));
+    if kinds.count() < 2 {
+        return;
+    }
+    own(blocks, &|block, steps| {
+        block.spread_kinds(kinds, (steps, half))
+    });
+    touched.respond(blocks, gas, kinds.count());
+    let responses = &touched.responses;
+    own(blocks, &|block, steps| {
+        block.respond(kinds, (steps, half), responses)
+    });
 }
 
 /// A sum over the pairs of one gas particle: momentum, energy.

@@ -3,6 +3,7 @@
 //! Everything a block writes is its own: sums over gas are formed slot by slot and added up over the blocks afterwards, in a fixed order.
 
 mod passes;
+mod several;
 
 use std::cell::RefCell;
 
@@ -13,6 +14,7 @@ use nbody::points::{Domain, Vec3};
 
 use super::bundles::Bundles;
 use super::group::{Cell, Member, RUN, cut};
+use super::kinds::{Kinds, Sums};
 use super::loose::Loose;
 use super::row::{Outcome, Row, Wind};
 use super::slots::Slots;
@@ -25,8 +27,6 @@ struct Scratch {
     field: Vec<[f64; 8]>,
     sums: Vec<Parcel>,
     seen: Vec<[f64; 8]>,
-    /// what rows are to give in the other half of their step
-    coming: Vec<Parcel>,
     /// what the members do, by place
     motion: Vec<Motion>,
     /// velocities of the members by place
@@ -76,6 +76,11 @@ pub struct Block {
     pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
+    /// what rows are to give in the other half of their step
+    coming: Vec<Parcel>,
+    /// Where grains differ: the kinds there are, and what each has at each slot.
+    pub kinds: Kinds,
+    pub by_kind: Vec<Sums>,
     /// by place: smoothing length of the gas around and the time to cross it; what the exchange did; and what the members ask for
     around: Vec<[f64; 2]>,
     outcome: Vec<Outcome>,

@@ -5,6 +5,7 @@ use gas::probe::{Bundle, Candidates, Lanes, Reach, Rows};
 use nbody::points::{Domain, Vec3};
 
 use super::group::RUN;
+use super::kinds::Sums;
 use super::{ABSOLUTE, Both, Parcel};
 
 /// Rows from `row` on, those in the lanes `served` alone, with the weights `start..end` by their sums.
@@ -26,6 +27,13 @@ pub struct Bundles {
 
 /// The most gas particles that the rows of a lot may share: beyond, most weights would be zeros.
 const WIDEST: usize = 192;
+
+/// A weight for each of eight columns, the last of each four without its sign.
+#[inline(always)]
+pub fn signed(w: f64) -> Sums {
+    let size = w.abs();
+    [w, w, w, size, w, w, w, size]
+}
 
 impl Lot {
     fn lanes(&self) -> impl Iterator<Item = usize> {
@@ -138,6 +146,77 @@ impl Bundles {
                     sum = V::splat(simd, w).mul_add(given, sum);
                 }
                 sum.store_slice(part);
+            }
+        }
+    }
+
+    /// Adds w times what each row gives, |w| times the last of each four columns, to the column of its kind, one of `kinds` of each slot.
+    pub fn spread_kinds(
+        &self,
+        of: impl Fn(usize) -> (usize, Sums),
+        kinds: usize,
+        sums: &mut [Sums],
+    ) {
+        nbody::widest!(Level::new(), simd => self.spread_kinds_lanes(simd, &of, kinds, sums));
+    }
+
+    #[inline(always)]
+    fn spread_kinds_lanes<S: Simd>(
+        &self,
+        simd: S,
+        of: &impl Fn(usize) -> (usize, Sums),
+        kinds: usize,
+        sums: &mut [Sums],
+    ) {
+        for lot in &self.lots {
+            let mut given = [(0, f64x8::splat(simd, 0.0)); RUN];
+            for lane in lot.lanes() {
+                let (kind, own) = of(lot.row + lane);
+                given[lane] = (kind, f64x8::from_slice(simd, &own) * lot.norm[lane]);
+            }
+            for (weight, &slot) in self.weights(lot) {
+                let sums = &mut sums[slot as usize * kinds..][..kinds];
+                for (&w, (kind, given)) in weight.iter().zip(given) {
+                    let sum = f64x8::from_slice(simd, &sums[kind]);
+                    let w = f64x8::from_slice(simd, &signed(w));
+                    w.mul_add(given, sum).store_slice(&mut sums[kind]);
+                }
+            }
+        }
+    }
+
+    /// The columns of each row's kind, at it.
+    pub fn seen_kinds(
+        &self,
+        of: impl Fn(usize) -> usize,
+        (kinds, field): (usize, &[Sums]),
+        seen: &mut [Sums],
+    ) {
+        nbody::widest!(Level::new(), simd => self.gather_kinds(simd, &of, (kinds, field), seen));
+    }
+
+    #[inline(always)]
+    fn gather_kinds<S: Simd>(
+        &self,
+        simd: S,
+        of: &impl Fn(usize) -> usize,
+        (kinds, field): (usize, &[Sums]),
+        seen: &mut [Sums],
+    ) {
+        for lot in &self.lots {
+            let mut sums = [(0, f64x8::splat(simd, 0.0)); RUN];
+            for lane in lot.lanes() {
+                sums[lane].0 = of(lot.row + lane);
+            }
+            for (weight, &slot) in self.weights(lot) {
+                let field = &field[slot as usize * kinds..][..kinds];
+                for (&w, (kind, sum)) in weight.iter().zip(&mut sums) {
+                    let w = f64x8::splat(simd, w);
+                    *sum = w.mul_add(f64x8::from_slice(simd, &field[*kind]), *sum);
+                }
+            }
+            for lane in lot.lanes() {
+                (sums[lane].1 * lot.norm[lane]).store_slice(&mut seen[lot.row + lane]);
             }
         }
     }

@@ -5,6 +5,8 @@ use gas::probe::{Shape, Weights};
 use nalgebra::Matrix3;
 use nbody::points::Vec3;
 
+use super::bundles::signed;
+use super::kinds::Sums;
 use super::{ABSOLUTE, Both, Parcel};
 
 /// What a rigid shape adds to the weights.
@@ -185,6 +187,41 @@ impl Loose {
                     let part = &mut partial[slot];
                     (0..3).for_each(|k| part[first + k] += impulse[k]);
                 }
+            }
+        }
+    }
+
+    /// Adds w times what each row gives, |w| times the last of each four columns, to the column of its kind, one of `kinds` of each slot. Rigid shapes
+    /// act as if they did not turn.
+    pub fn spread_kinds(
+        &self,
+        of: impl Fn(usize) -> (usize, Sums),
+        kinds: usize,
+        sums: &mut [Sums],
+    ) {
+        for own in &self.own {
+            let (kind, given) = of(own.row);
+            for (slot, w) in self.pairs(own) {
+                let sums = sums[slot * kinds + kind].iter_mut().zip(signed(w));
+                sums.zip(given)
+                    .for_each(|((sum, w), given)| *sum += w * given);
+            }
+        }
+    }
+
+    /// The columns of each row's kind, at it.
+    pub fn seen_kinds(
+        &self,
+        of: impl Fn(usize) -> usize,
+        (kinds, field): (usize, &[Sums]),
+        seen: &mut [Sums],
+    ) {
+        for own in &self.own {
+            let kind = of(own.row);
+            for (slot, w) in self.pairs(own) {
+                let seen = seen[own.row].iter_mut();
+                seen.zip(field[slot * kinds + kind])
+                    .for_each(|(sum, value)| *sum += w * value);
             }
         }
     }

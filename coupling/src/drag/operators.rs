@@ -1,5 +1,6 @@
 //! Drag as operators of a step: of dust in gas, and of bodies in gas.
 
+use dust::Superparticles;
 use gas::Hydro;
 use gas::probe::Reach;
 use nbody::points::{Columns, Fault, Vec3};
@@ -21,6 +22,9 @@ const GROWTH: f64 = 2.0;
 /// hundredth of it.
 const HEAVY: f64 = 0.1;
 
+/// Grains that differ by less are of one kind.
+const ALIKE: f64 = 1e-3;
+
 fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Exchange {
     let reach = Reach {
         neighbours: hydro.neighbours,
@@ -32,6 +36,16 @@ fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) ->
         bound: !hydro.eos.is_free(),
         ..Settings::new(law, reach)
     })
+}
+
+/// Whether grains differ in what stops them.
+fn are_several(dust: &Superparticles) -> bool {
+    let differ = |column: &[f64]| {
+        column
+            .iter()
+            .any(|x| (x - column[0]).abs() > ALIKE * column[0])
+    };
+    differ(&dust.grain_radius) || differ(&dust.grain_density) || differ(&dust.stopping)
 }
 
 /// Limits the search for gas to where gas is.
@@ -138,6 +152,9 @@ impl Operator for DustDrag {
         meter.enter(Phase::Drag);
         system.list_active_dust(&mut self.active);
         limit(&mut self.exchange, system);
+        if system.clock.synchronous() {
+            self.exchange.settings.several = are_several(&system.dust.particles);
+        }
         let star = Star::of(system);
         let mut grains = Grains {
             dust: &mut system.dust,

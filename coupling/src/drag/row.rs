@@ -250,6 +250,21 @@ impl Row {
         };
     }
 
+    /// What it starts its half step with, by the gas around: its velocity, and what its kick makes of that.
+    pub fn start(&self, half: Half) -> (Vec3, Vec3) {
+        let kick = 2.0 * (self.u_middle - self.u_tick);
+        match half {
+            Half::Closing => (self.u_tick + kick, -kick),
+            Half::Opening => (self.u_tick, kick),
+        }
+    }
+
+    /// How much of a response to its surroundings over the half step `step` there is in the next: what balances forces lasts, what brakes decays.
+    pub fn kept(&self, step: f64) -> f64 {
+        let lasting = self.lasting * step;
+        lasting + (1.0 - lasting) * (1.0 - self.share * (1.0 + self.eps))
+    }
+
     /// Books the change of a particle of the velocity `v`.
     pub fn book(&self, v: Vec3, booking: &mut Booking) {
         booking.immersed.add((self.x, v), self.m, self.dv);

@@ -7,6 +7,7 @@ use nbody::points::Columns;
 
 use super::*;
 
+mod kinds;
 mod stiff;
 
 const REACH: Reach = Reach {
@@ -282,8 +283,8 @@ fn sampled_density(scene: &Box) -> f64 {
     probe.sample(&scene.gas, &domain, x, h, &REACH).rho
 }
 
-/// Three kinds of grains in accelerated gas: K = 300, 30, 3, rho = 0.3 each; a = 0.1. Largest error at t = 0.1.
-fn mixture_error(steps: i32) -> f64 {
+/// Three kinds of grains in accelerated gas: K = 300, 30, 3, rho = 0.3 each; a = 0.1. Largest error at t = 0.1, if `several` kinds are solved as such.
+fn mixture_error(steps: i32, several: bool) -> f64 {
     let n = 6;
     let gas = gas(lattice(n, 0.0), 1.0, |_| Vec3::zeros());
     let mut x = lattice(n, 0.5);
@@ -298,7 +299,9 @@ fn mixture_error(steps: i32) -> f64 {
         for (i, &id) in ids.iter().enumerate() {
             dust.particles.grain_radius[i] = 1e-3 * 10f64.powi(kind(id));
         }
-        Box::new(gas, dust, domain, settings(StoppingLaw::Epstein))
+        let mut settings = settings(StoppingLaw::Epstein);
+        settings.several = several;
+        Box::new(gas, dust, domain, settings)
     };
     // A sound speed so large that Kwok's correction is nothing.
     let c = 1e9;
@@ -325,10 +328,21 @@ fn mixture_error(steps: i32) -> f64 {
 
 #[test]
 fn a_mixture_of_grains_converges_with_second_order() {
-    let errors: Vec<f64> = [40, 80, 160].into_iter().map(mixture_error).collect();
+    let errors: Vec<f64> = [40, 80, 160]
+        .into_iter()
+        .map(|steps| mixture_error(steps, false))
+        .collect();
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!(order > 1.8, "{errors:?}");
+    }
+}
+
+#[test]
+fn a_mixture_of_grains_is_exact_in_any_step_where_kinds_are_solved() {
+    for steps in [1, 2, 10] {
+        let error = mixture_error(steps, true);
+        assert!(error < 1e-11, "{steps}: {error:e}");
     }
 }
 

@@ -6,6 +6,7 @@ use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
+use super::kinds::{Sums, respond};
 use super::{Booking, Both, Half, Parcel, Settings, Vec3};
 
 const NOWHERE: u32 = u32::MAX;
@@ -29,6 +30,8 @@ pub struct Touched {
     before: Vec<Parcel>,
     /// and of these with those of the other half of the step.
     both: Vec<Both>,
+    /// What each kind of grains has at each gas particle, and then how both respond.
+    pub responses: Vec<Sums>,
 }
 
 impl Touched {
@@ -95,6 +98,30 @@ impl Touched {
         let now = sums.iter().map(|&[x, y, z, e, ..]| [x, y, z, e]);
         self.sums.extend(now);
         self.both = sums;
+    }
+
+    /// Adds up what each of `kinds` kinds of grains has at the gas, and lets them respond.
+    pub fn respond(&mut self, blocks: &[Block], gas: &Gas, kinds: usize) {
+        let mut responses = std::mem::take(&mut self.responses);
+        responses.clear();
+        responses.resize(self.gas.len() * kinds, [0.0; 8]);
+        let (entries, start, places) = (&self.entries, &self.start, &self.gas);
+        responses
+            .par_chunks_mut(kinds)
+            .enumerate()
+            .with_min_len(256)
+            .for_each(|(t, own)| {
+                for &(block, slot) in &entries[start[t] as usize..start[t + 1] as usize] {
+                    let parts = &blocks[block as usize].by_kind[slot as usize * kinds..][..kinds];
+                    for (sums, part) in own.iter_mut().zip(parts) {
+                        (0..8).for_each(|k| sums[k] += part[k]);
+                    }
+                }
+                let inverse = 1.0 / gas.particles.m[places[t] as usize];
+                own.iter_mut().flatten().for_each(|x| *x *= inverse);
+                respond(own);
+            });
+        self.responses = responses;
     }
 
     /// Adds up a number of columns of all slots of a gas particle, by its mass.

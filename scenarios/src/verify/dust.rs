@@ -104,7 +104,7 @@ struct State {
     x: Vec3,
     v: Vec3,
     m: f64,
-    /// Of gas: density and pressure.
+    /// Density of the gas, and its pressure; zero for dust.
     rho: f64,
     p: f64,
 }
@@ -124,7 +124,7 @@ impl Mixture {
             x: dust.x[i],
             v: dust.v[i],
             m: dust.m[i],
-            rho: 0.0,
+            rho: stop.system.dust.derived.rho_gas[i],
             p: 0.0,
         };
         let parcel = |i: usize| State {

@@ -9,7 +9,7 @@ use crate::drag::row::{ABREAST, Drive, Outcome, Wind, relax};
 use crate::drag::{ABSOLUTE, Booking, Half, Immersed, Parcel, Settings, StoppingLaw};
 
 impl Block {
-    /// Lets each row relax; with feedback, spreads what it gives over the slots. `loads` are those of the touched gas, if they are new.
+    /// Lets each row relax. `loads` are those of the touched gas, if they are new.
     pub fn relax<I: Immersed>(
         &mut self,
         gas: &Gas,
@@ -42,12 +42,15 @@ impl Block {
                 &settings.law,
                 scratch,
             );
-            match half {
-                _ if !settings.feedback => {}
-                Half::Closing => self.spread_impulse(),
-                Half::Opening => self.spread_both(&scratch.coming),
-            }
         });
+    }
+
+    /// Spreads what rows give over the slots.
+    pub fn spread(&mut self, half: Half) {
+        match half {
+            Half::Closing => self.spread_impulse(),
+            Half::Opening => self.spread_both(),
+        }
     }
 
     /// Velocity, acceleration and load of the gas around each row.
@@ -83,16 +86,11 @@ impl Block {
         fresh: bool,
         (steps, half): (&[f64], Half),
         law: &StoppingLaw,
-        Scratch {
-            seen,
-            coming,
-            motion,
-            ..
-        }: &mut Scratch,
+        Scratch { seen, motion, .. }: &mut Scratch,
     ) {
-        empty(coming, self.rows.len(), [0.0; 4]);
+        empty(&mut self.coming, self.rows.len(), [0.0; 4]);
         let rows = self.rows.chunks_mut(ABREAST).zip(seen.chunks(ABREAST));
-        for ((rows, seen), coming) in rows.zip(coming.chunks_mut(ABREAST)) {
+        for ((rows, seen), coming) in rows.zip(self.coming.chunks_mut(ABREAST)) {
             let mut drive = Drive {
                 step: [0.0; ABREAST],
                 a: [Vec3::zeros(); ABREAST],
@@ -127,10 +125,10 @@ impl Block {
     }
 
     /// Spreads these and what each row is to give in the other half of its step.
-    fn spread_both(&mut self, coming: &[Parcel]) {
+    fn spread_both(&mut self) {
         empty(&mut self.both, self.gas.len(), [0.0; 8]);
         let of = |row: usize| {
-            let ([a, b, c, d], [e, f, g, h]) = (self.rows[row].given(), coming[row]);
+            let ([a, b, c, d], [e, f, g, h]) = (self.rows[row].given(), self.coming[row]);
             [a, b, c, d, e, f, g, h]
         };
         self.bundles.spread_both(of, &mut self.both);

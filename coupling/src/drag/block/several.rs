@@ -1,0 +1,77 @@
+//! Several kinds: the passes of a block in which grains that differ learn of each other.
+
+use super::{Block, SCRATCH, Scratch, empty, vector};
+use crate::drag::Half;
+use crate::drag::kinds::{Kinds, LARGEST, Sums};
+use crate::drag::row::Row;
+
+/// The largest load with which the response is taken whole. Of scattered grains kinds see different means of the gas around, and gas that is light
+/// by them throws these differences back: from a load of 16 on they grow.
+const MODERATE: f64 = 4.0;
+
+/// E-foldings of a row in a half step, were the gas at rest.
+fn folds(row: &Row, step: f64) -> f64 {
+    (step / row.t_stop).min(LARGEST)
+}
+
+impl Block {
+    /// Finds the kinds of the rows.
+    pub fn find_kinds(&mut self, steps: &[f64]) {
+        let of = |row: &Row| Kinds::of(folds(row, steps[row.place as usize]));
+        self.kinds = self.rows.iter().map(of).fold(Kinds::default(), Kinds::with);
+    }
+
+    /// Spreads over the slots, by kind, what rows have at the start of their half step.
+    pub fn spread_kinds(&mut self, kinds: Kinds, (steps, half): (&[f64], Half)) {
+        let count = kinds.count();
+        empty(&mut self.by_kind, self.gas.len() * count, [0.0; 8]);
+        let of = |row: usize| {
+            let row = &self.rows[row];
+            let x = folds(row, steps[row.place as usize]);
+            let (start, kick) = row.start(half);
+            let (u, f) = (row.m * start, row.m * (kick - row.expected));
+            let load = row.m * row.gain;
+            let sums: Sums = [u.x, u.y, u.z, load, f.x, f.y, f.z, load * x];
+            (kinds.number(Kinds::of(x)), sums)
+        };
+        self.bundles.spread_kinds(of, count, &mut self.by_kind);
+        self.loose.spread_kinds(of, count, &mut self.by_kind);
+    }
+
+    /// Lets the rows respond to what others do differently; `responses` are those of the touched gas. What they are to give in the other half of a step
+    /// follows as far as the response lasts.
+    pub fn respond(&mut self, kinds: Kinds, (steps, half): (&[f64], Half), responses: &[Sums]) {
+        let count = kinds.count();
+        for (own, &place) in self.by_kind.chunks_mut(count).zip(&self.place) {
+            own.copy_from_slice(&responses[place as usize * count..][..count]);
+        }
+        SCRATCH.with_borrow_mut(|Scratch { seen, .. }| {
+            empty(seen, self.rows.len(), [0.0; 8]);
+            let of = |row: usize| {
+                let row = &self.rows[row];
+                kinds.number(Kinds::of(folds(row, steps[row.place as usize])))
+            };
+            let field = (count, self.by_kind.as_slice());
+            self.bundles.seen_kinds(of, field, seen);
+            self.loose.seen_kinds(of, field, seen);
+            for ((row, seen), coming) in self.rows.iter_mut().zip(&*seen).zip(&mut self.coming) {
+                let part = (MODERATE / row.eps).min(1.0);
+                let more = part * vector(seen, 0);
+                row.dv += more;
+                // The gas does this beyond -eps dv.
+                let beyond = part * vector(seen, 4) + row.eps * more;
+                row.expected += beyond;
+                if half == Half::Opening {
+                    let (start, kick) = row.start(half);
+                    let slip = start + 1.5 * kick + (1.0 + row.eps) * row.dv - beyond;
+                    let impulse = -row.m * row.kept(steps[row.place as usize]) * more;
+                    let given = [impulse.x, impulse.y, impulse.z, impulse.dot(&slip)];
+                    coming
+                        .iter_mut()
+                        .zip(given)
+                        .for_each(|(sum, given)| *sum += given);
+                }
+            }
+        });
+    }
+}
