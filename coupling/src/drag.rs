@@ -217,6 +217,9 @@ impl Exchange {
             .for_each(|(block, (members, steps))| {
                 let seen = (seen, members);
                 block.relax(see, seen, loads, (steps, half), (settings, domain));
+                if settings.feedback && !settings.several {
+                    block.spread(half);
+                }
                 if !settings.feedback {
                     block.settle(seen, (settings, domain));
                 }
@@ -225,8 +228,8 @@ impl Exchange {
             if settings.several {
                 let steps = (steps, length, half);
                 consider_kinds(blocks, &mut self.touched, see, steps);
+                blocks.par_iter_mut().for_each(|block| block.spread(half));
             }
-            blocks.par_iter_mut().for_each(|block| block.spread(half));
             match half {
                 Half::Closing => self.touched.sum_impulses(blocks, see),
                 Half::Opening => self.touched.sum_both(blocks, see),

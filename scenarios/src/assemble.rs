@@ -267,6 +267,7 @@ fn operators(
             scene.coupling.feedback,
             scene.coupling.heat_share,
         );
+        drag.mixtures = scene.coupling.mixtures;
         drag.tolerance = scene.coupling.tolerance;
         list.push(Box::new(drag));
     }

@@ -339,6 +339,10 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
             "the gas's reaction to drag",
         ),
         (
+            gas && !scene.coupling.mixtures,
+            "what grains of several stopping times do to each other through the gas within a step",
+        ),
+        (
             gas && scene
                 .gas
                 .as_ref()

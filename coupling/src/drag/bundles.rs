@@ -1,6 +1,6 @@
 //! Bundles: the weights of immersed particles that share their gas, eight at once, and sums over them.
 
-use fearless_simd::{Level, Simd, SimdBase, SimdFloat, f64x4, f64x8};
+use fearless_simd::{Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f64x4, f64x8, mask64x8};
 use gas::probe::{Bundle, Candidates, Lanes, Reach, Rows};
 use nbody::points::{Domain, Vec3};
 
@@ -28,12 +28,8 @@ pub struct Bundles {
 /// The most gas particles that the rows of a lot may share: beyond, most weights would be zeros.
 const WIDEST: usize = 192;
 
-/// A weight for each of eight columns, the last of each four without its sign.
-#[inline(always)]
-pub fn signed(w: f64) -> Sums {
-    let size = w.abs();
-    [w, w, w, size, w, w, w, size]
-}
+/// The columns that are spread by |w|, a bit each; nothing in them is negative.
+const UNSIGNED: u64 = 0b1000_1000;
 
 impl Lot {
     fn lanes(&self) -> impl Iterator<Item = usize> {
@@ -168,6 +164,7 @@ impl Bundles {
         kinds: usize,
         sums: &mut [Sums],
     ) {
+        let unsigned = mask64x8::from_bitmask(simd, UNSIGNED);
         for lot in &self.lots {
             let mut given = [(0, f64x8::splat(simd, 0.0)); RUN];
             for lane in lot.lanes() {
@@ -176,10 +173,11 @@ impl Bundles {
             }
             for (weight, &slot) in self.weights(lot) {
                 let sums = &mut sums[slot as usize * kinds..][..kinds];
-                for (&w, (kind, given)) in weight.iter().zip(given) {
-                    let sum = f64x8::from_slice(simd, &sums[kind]);
-                    let w = f64x8::from_slice(simd, &signed(w));
-                    w.mul_add(given, sum).store_slice(&mut sums[kind]);
+                for (&w, &(kind, given)) in weight.iter().zip(&given) {
+                    let part = given * w;
+                    let part = unsigned.select(part.abs(), part);
+                    let sums = &mut sums[kind];
+                    (f64x8::from_slice(simd, sums) + part).store_slice(sums);
                 }
             }
         }

@@ -63,11 +63,9 @@ pub struct Kinds(u32);
 impl Kinds {
     /// That of grains with `x` e-foldings in a half step.
     pub fn of(x: f64) -> Self {
-        let power = x
-            .log2()
-            .floor()
-            .clamp(f64::from(LOOSEST), f64::from(STIFFEST));
-        Self(1 << (power as i32 - LOOSEST))
+        // The exponent of a positive number is the power of two below it.
+        let power = (x.to_bits() >> (f64::MANTISSA_DIGITS - 1)) as i32 - (f64::MAX_EXP - 1);
+        Self(1 << (power.clamp(LOOSEST, STIFFEST) - LOOSEST))
     }
 
     pub fn with(self, other: Self) -> Self {

@@ -5,7 +5,6 @@ use gas::probe::{Shape, Weights};
 use nalgebra::Matrix3;
 use nbody::points::Vec3;
 
-use super::bundles::signed;
 use super::kinds::Sums;
 use super::{ABSOLUTE, Both, Parcel};
 
@@ -202,9 +201,10 @@ impl Loose {
         for own in &self.own {
             let (kind, given) = of(own.row);
             for (slot, w) in self.pairs(own) {
-                let sums = sums[slot * kinds + kind].iter_mut().zip(signed(w));
-                sums.zip(given)
-                    .for_each(|((sum, w), given)| *sum += w * given);
+                let sums = sums[slot * kinds + kind].iter_mut().zip(given);
+                for (k, (sum, given)) in sums.enumerate() {
+                    *sum += if k % 4 == ABSOLUTE { w.abs() } else { w } * given;
+                }
             }
         }
     }

@@ -70,6 +70,8 @@ pub(super) fn book(system: &mut System, booking: &Booking, feedback: bool) {
 /// Drag between dust and gas.
 pub struct DustDrag {
     exchange: Exchange,
+    /// Whether grains of several stopping times are solved together.
+    pub mixtures: bool,
     /// Error of the splitting of a step that base steps keep to; none: they do not depend on it.
     pub tolerance: Option<f64>,
     active: Vec<u32>,
@@ -80,6 +82,7 @@ impl DustDrag {
     pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Self {
         Self {
             exchange: exchange(law, hydro, feedback, heat_share),
+            mixtures: true,
             tolerance: None,
             active: Vec::new(),
             steps: Vec::new(),
@@ -153,7 +156,8 @@ impl Operator for DustDrag {
         system.list_active_dust(&mut self.active);
         limit(&mut self.exchange, system);
         if system.clock.synchronous() {
-            self.exchange.settings.several = are_several(&system.dust.particles);
+            let several = self.mixtures && are_several(&system.dust.particles);
+            self.exchange.settings.several = several;
         }
         let star = Star::of(system);
         let mut grains = Grains {

@@ -43,6 +43,7 @@ pub fn no_coupling() -> Coupling {
         gas_planetesimals: false,
         feedback: true,
         heat_share: 1.0,
+        mixtures: true,
         tolerance: None,
     }
 }
@@ -194,6 +195,7 @@ pub fn with_coupling(mut scene: Scene, root: &Section<'_>) -> Scene {
         gas_planetesimals: wants(1, can_bodies),
         feedback: section.flag("feedback").unwrap_or(true),
         heat_share: section.number("heat_share", Range::PART).unwrap_or(1.0),
+        mixtures: section.flag("mixtures").unwrap_or(true),
         tolerance: section.number("tolerance", TOLERANCE),
     };
     if scene.coupling.tolerance.is_some() && !(gas && scene.coupling.gas_dust) {

@@ -110,6 +110,7 @@ pub fn forces(text: &mut Text, scene: &Scene) {
     text.raw("drag", format_args!("{on:?}"));
     text.raw("feedback", scene.coupling.feedback);
     text.number("heat_share", scene.coupling.heat_share);
+    text.raw("mixtures", scene.coupling.mixtures);
     if let Some(tolerance) = scene.coupling.tolerance {
         text.number("tolerance", tolerance);
     }

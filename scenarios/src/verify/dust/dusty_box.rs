@@ -32,6 +32,8 @@ struct Case {
     /// Good and acceptable errors of velocities.
     bars: [f64; 2],
     steps: usize,
+    /// Whether kinds are solved together.
+    mixtures: bool,
     /// Whether the rate of drag goes by the density of the gas.
     by_density: bool,
     /// Velocities of gas and kinds at a time.
@@ -55,6 +57,7 @@ fn linear([k, rho]: [f64; 2]) -> Case {
         eos: FREE,
         bars: [1e-6, 1e-2],
         steps: STEPS,
+        mixtures: true,
         by_density: false,
         exact: Box::new(move |t| shared(rho, 1.0, (-k * (1.0 + 1.0 / rho) * t).exp())),
     }
@@ -68,6 +71,7 @@ fn quadratic() -> Case {
         eos: FREE,
         bars: [1e-6, 1e-2],
         steps: STEPS,
+        mixtures: true,
         by_density: false,
         exact: Box::new(|t| shared(1.0, 1.0, 1.0 / (1.0 + 2.0 * t))),
     }
@@ -83,6 +87,7 @@ fn kwok() -> Case {
         eos: BOUND,
         bars: [1e-6, 1e-2],
         steps: SHORT,
+        mixtures: true,
         by_density: true,
         exact: Box::new(|t| {
             let root = (1.0 + KWOK * 9.0f64).sqrt();
@@ -106,6 +111,7 @@ fn several(rho: f64, k: [f64; 3]) -> Case {
         eos: BOUND,
         bars: [1e-6, 1e-2],
         steps: STEPS,
+        mixtures: true,
         by_density: false,
         exact: Box::new(move |t| mixed(&kinds, t)),
     }
@@ -142,6 +148,9 @@ fn mixed(kinds: &[Kind; 3], t: f64) -> Vec<f64> {
     v.to_vec()
 }
 
+/// Steps in which kinds are not solved together, for comparison.
+const ALONE: [usize; 2] = [20, 80];
+
 /// Density of each of three kinds, and their K.
 const MIXTURES: [(f64, [f64; 3]); 5] = [
     (0.3, [300.0, 30.0, 3.0]),
@@ -168,7 +177,8 @@ fn trial(case: &Case) -> Trial {
     let text = format!(
         "[run]\nend_time = 1\ntime_step = {:?}\n[units]\nsystem = \"dimensionless\"\n\
          [domain]\nkind = \"periodic\"\nsize = [1, 1, 1]\n[gas.eos]\n{}\n\
-         [[gas.block]]\n{lattice}density = 1\n{}{kinds}[dust.drag]\n{}",
+         [[gas.block]]\n{lattice}density = 1\n{}{kinds}[dust.drag]\n{}\
+         [coupling]\nmixtures = {}\n",
         1.0 / case.steps as f64,
         case.eos,
         if case.eos == FREE {
@@ -176,7 +186,8 @@ fn trial(case: &Case) -> Trial {
         } else {
             ""
         },
-        case.drag
+        case.drag,
+        case.mixtures
     );
     Trial::prepared(&text, &[], |_, dust| {
         dust.x.iter_mut().for_each(|x| *x += SHIFT)
@@ -202,22 +213,33 @@ fn around(mixture: &Mixture) -> f64 {
     mixture.dust.iter().map(|s| s.rho).sum::<f64>() / mixture.dust.len() as f64
 }
 
-fn of(case: &Case) -> Vec<Row> {
+/// Ends of the steps.
+fn stops(case: &Case) -> Vec<f64> {
     let step = 1.0 / case.steps as f64;
-    let stops: Vec<f64> = (0..=case.steps).map(|k| k as f64 * step).collect();
-    let seen = mixtures(trial(case), &stops);
-    let worst = |times: &[f64]| {
-        let errors = times.iter().zip(&seen);
-        let errors = errors.map(|(t, mixture)| error(mixture, &(case.exact)(*t)));
-        let largest = |worst: f64, e: f64| if e > worst || e.is_nan() { e } else { worst };
-        errors.fold(0.0, largest) / case.kinds[0][1]
-    };
+    (0..=case.steps).map(|k| k as f64 * step).collect()
+}
+
+fn run(case: &Case) -> Vec<Mixture> {
+    mixtures(trial(case), &stops(case))
+}
+
+/// Largest error of any velocity at the ends of steps, where the exact ones are those at `times`.
+fn worst(case: &Case, seen: &[Mixture], times: &[f64]) -> f64 {
+    let errors = times.iter().zip(seen);
+    let errors = errors.map(|(t, mixture)| error(mixture, &(case.exact)(*t)));
+    let largest = |worst: f64, e: f64| if e > worst || e.is_nan() { e } else { worst };
+    errors.fold(0.0, largest) / case.kinds[0][1]
+}
+
+fn of(case: &Case) -> Vec<Row> {
+    let seen = run(case);
+    let step = 1.0 / case.steps as f64;
     let books = &seen[seen.len() - 1].books;
     let row = |what: &str, measured, bars| {
         Row::new(format!("{}: {what}", case.what), measured, Bar::Limit(bars))
     };
     let mut rows = vec![
-        row("velocities", worst(&stops), case.bars),
+        row("velocities", worst(case, &seen, &stops(case)), case.bars),
         row("momentum", books.error_momentum, [1e-13, 1e-10]),
         row("energy", books.error_energy, [1e-12, 1e-4]),
     ];
@@ -228,7 +250,7 @@ fn of(case: &Case) -> Vec<Row> {
             Some(*time)
         }));
         let what = "velocities, by the density that grains see";
-        rows.insert(1, row(what, worst(&times), case.bars));
+        rows.insert(1, row(what, worst(case, &seen, &times), case.bars));
     }
     rows
 }
@@ -244,5 +266,15 @@ pub fn rows() -> Vec<Row> {
     let mut cases: Vec<Case> = times.map(linear).into();
     cases.extend([quadratic(), kwok()]);
     cases.extend(MIXTURES.map(|(rho, k)| several(rho, k)));
-    cases.iter().flat_map(of).collect()
+    let mut rows: Vec<Row> = cases.iter().flat_map(of).collect();
+    rows.extend(ALONE.map(|steps| {
+        let case = Case {
+            steps,
+            mixtures: false,
+            ..several(MIXTURES[0].0, MIXTURES[0].1)
+        };
+        let what = format!("the first three kinds, each alone, {steps} steps: velocities");
+        Row::new(what, worst(&case, &run(&case), &stops(&case)), Bar::None)
+    }));
+    rows
 }
