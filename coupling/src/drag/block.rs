@@ -27,6 +27,8 @@ struct Scratch {
     field: Vec<[f64; 8]>,
     sums: Vec<Parcel>,
     seen: Vec<[f64; 8]>,
+    /// what rows are to give in the other half of their step, of no block
+    coming: Vec<Parcel>,
     /// what the members do, by place
     motion: Vec<Motion>,
     /// velocities of the members by place
@@ -76,7 +78,7 @@ pub struct Block {
     pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
-    /// what rows are to give in the other half of their step
+    /// What rows are to give in the other half of their step; a buffer of the thread's, until it is spread.
     coming: Vec<Parcel>,
     /// Where grains differ: the kinds there are, and what each has at each slot.
     pub kinds: Kinds,

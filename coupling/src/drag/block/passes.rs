@@ -20,6 +20,7 @@ impl Block {
     ) {
         self.half = steps.iter().sum::<f64>() / steps.len() as f64;
         SCRATCH.with_borrow_mut(|scratch| {
+            self.coming = std::mem::take(&mut scratch.coming);
             self.see(gas, loads, (settings, domain), scratch);
             let joint = settings.joint;
             scratch.motion.clear();
@@ -42,15 +43,19 @@ impl Block {
                 &settings.law,
                 scratch,
             );
+            if !settings.feedback {
+                scratch.coming = std::mem::take(&mut self.coming);
+            }
         });
     }
 
-    /// Spreads what rows give over the slots.
+    /// Spreads what rows give over the slots, and forgets what they are to give.
     pub fn spread(&mut self, half: Half) {
         match half {
             Half::Closing => self.spread_impulse(),
             Half::Opening => self.spread_both(),
         }
+        SCRATCH.with_borrow_mut(|scratch| scratch.coming = std::mem::take(&mut self.coming));
     }
 
     /// Velocity, acceleration and load of the gas around each row.
