@@ -36,8 +36,9 @@ struct Scratch {
     /// Where members are relative to.
     origin: Vec3,
     members: Vec<Member>,
-    /// smoothing lengths of the members by place
+    /// by place: smoothing lengths of the members, and where that image of each is that is nearest to the origin
     lengths: Vec<f64>,
+    images: Vec<Vec3>,
     cells: Vec<Cell>,
     candidates: Candidates,
     /// of a member that finds too little in the cell's
@@ -138,6 +139,7 @@ impl Block {
         self.loose.clear();
         scratch.members.clear();
         scratch.lengths.clear();
+        scratch.images.clear();
         let first = members.first().map(|&i| immersed.position(i as usize));
         scratch.origin = first.unwrap_or_default();
         for (&i, place) in members.iter().zip(0..) {
@@ -150,10 +152,13 @@ impl Block {
                 weights.find(&mut scratch.own, gas, domain, (x, h), reach);
                 h = weights.h;
             }
-            let x: [f64; 3] = (x - scratch.origin).into();
-            let x = x.map(|x| x as f32);
-            scratch.members.push(Member { x, place });
+            let from = x - scratch.origin;
+            let nearest = domain.nearest(from);
+            let relative: [f64; 3] = nearest.into();
+            let x32 = relative.map(|x| x as f32);
+            scratch.members.push(Member { x: x32, place });
             scratch.lengths.push(h);
+            scratch.images.push(x + (nearest - from));
         }
         scratch.cells.clear();
         let (h, cells) = (&scratch.lengths, &mut scratch.cells);
@@ -185,6 +190,7 @@ impl Block {
             bundle,
             weights,
             own,
+            images,
             ..
         } = scratch;
         let (lo, hi) = (cell.lo + scratch.origin, cell.hi + scratch.origin);
@@ -196,7 +202,7 @@ impl Block {
             let count = RUN.min(cell.end - first);
             let mut points = [(Vec3::zeros(), 0.0); RUN];
             for (point, row) in points.iter_mut().zip(&self.rows[first..first + count]) {
-                *point = (row.x, row.h);
+                *point = (images[row.place as usize], row.h);
             }
             let points = &points[..count];
             let served = if count >= FEWEST {

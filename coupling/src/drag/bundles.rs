@@ -25,7 +25,7 @@ pub struct Bundles {
 }
 
 /// The most gas particles that the rows of a lot may share: beyond, most weights would be zeros.
-const WIDEST: usize = 192;
+const WIDEST: usize = 320;
 
 impl Lot {
     fn lanes(&self) -> impl Iterator<Item = usize> {

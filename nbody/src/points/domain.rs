@@ -178,7 +178,17 @@ impl Domain {
     }
 
     /// The separation to the nearest image.
-    pub fn nearest(&self, mut dx: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn nearest(&self, dx: Vec3) -> Vec3 {
+        let far = |size: Vec3| (0..3).any(|axis| dx[axis].abs() >= 0.5 * size[axis]);
+        if self.size().is_some_and(far) {
+            self.nearest_image(dx)
+        } else {
+            dx
+        }
+    }
+
+    fn nearest_image(&self, mut dx: Vec3) -> Vec3 {
         if self.period(0) > 0.0 {
             dx.y += (dx.x / self.period(0)).round() * self.offset();
         }
