@@ -29,7 +29,8 @@ struct Scratch {
     coming: Vec<Parcel>,
     /// what the members do, by place
     motion: Vec<Motion>,
-    /// velocities of the members by place
+    /// masses and velocities of the members by place
+    mass: Vec<f64>,
     velocity: Vec<Vec3>,
     /// what the exchange did to the members, by place
     outcome: Vec<Outcome>,
@@ -122,7 +123,7 @@ impl Block {
             self.bundles.name(|j| *j = slots.of(*j));
             self.loose.name(|j| *j = slots.of(*j));
             self.place.resize(self.gas.len(), 0);
-            self.hear(gas, immersed, domain, scratch);
+            self.hear(gas, domain, scratch);
         });
     }
 
@@ -140,6 +141,8 @@ impl Block {
         scratch.members.clear();
         scratch.lengths.clear();
         scratch.images.clear();
+        scratch.mass.clear();
+        scratch.velocity.clear();
         let first = members.first().map(|&i| immersed.position(i as usize));
         scratch.origin = first.unwrap_or_default();
         for (&i, place) in members.iter().zip(0..) {
@@ -159,17 +162,19 @@ impl Block {
             scratch.members.push(Member { x: x32, place });
             scratch.lengths.push(h);
             scratch.images.push(x + (nearest - from));
+            scratch.mass.push(immersed.mass(i as usize));
+            scratch.velocity.push(immersed.velocity(i as usize));
         }
         scratch.cells.clear();
         let (h, cells) = (&scratch.lengths, &mut scratch.cells);
-        cut(&mut scratch.members, 0, (h, domain), cells);
+        cut(&mut scratch.members, (h, domain), cells);
         self.rows.clear();
         self.rows.extend(scratch.members.iter().map(|member| {
             let i = members[member.place as usize];
             Row {
                 place: member.place,
                 i,
-                m: immersed.mass(i as usize),
+                m: scratch.mass[member.place as usize],
                 x: immersed.position(i as usize),
                 h: scratch.lengths[member.place as usize],
                 ..Row::default()
@@ -232,12 +237,16 @@ impl Block {
     }
 
     /// Sound speed around each row, and the time to cross its smoothing length, by the velocity relative to a shear.
-    fn hear<I: Immersed>(
+    fn hear(
         &mut self,
         gas: &Gas,
-        immersed: &I,
         domain: &Domain,
-        Scratch { sums, seen, .. }: &mut Scratch,
+        Scratch {
+            sums,
+            seen,
+            velocity,
+            ..
+        }: &mut Scratch,
     ) {
         sums.clear();
         sums.extend(self.gas.iter().map(|&j| {
@@ -250,7 +259,7 @@ impl Block {
         self.loose.seen(sums, seen);
         self.around.resize(self.rows.len(), [0.0; 2]);
         for (row, seen) in self.rows.iter_mut().zip(&*seen) {
-            let v = domain.relative(row.x, immersed.velocity(row.i as usize));
+            let v = domain.relative(row.x, velocity[row.place as usize]);
             row.hear(v - vector(seen, 0), seen[ABSOLUTE]);
             self.around[row.place as usize] = [row.h, row.crossing];
         }
