@@ -292,3 +292,6 @@ fn empty<T: Copy>(column: &mut Vec<T>, n: usize, value: T) {
     column.clear();
     column.resize(n, value);
 }
+
+#[cfg(test)]
+mod tests;

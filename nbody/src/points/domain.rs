@@ -256,6 +256,24 @@ mod tests {
     }
 
     #[test]
+    fn the_nearest_image_is_at_most_half_a_period_away() {
+        let size = Vec3::new(2.0, 3.0, 1.0);
+        let sheared = Domain::shearing(size, 0.8, 1.5).at(1.7);
+        for domain in [Domain::periodic(size), sheared] {
+            for axis in 0..3 {
+                for part in [0.3, 0.49, 0.5, 0.51, 0.9, 1.4] {
+                    let mut dx = 0.1 * size;
+                    dx[axis] = part * size[axis];
+                    let near = domain.nearest(dx);
+                    let apart = near.component_div(&size).amax();
+                    assert!(apart <= 0.5 + 1e-15, "{part} along {axis}: {near}");
+                    assert!(part >= 0.5 || near == dx, "{part} along {axis}: {near}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn shifts_name_each_image_that_a_query_meets() {
         let domain = Domain::periodic(Vec3::new(1.0, 1.0, 1.0)).with_axes([true, true, false]);
         let mut found = Vec::new();
