@@ -31,15 +31,17 @@ struct Scratch {
     coming: Vec<Parcel>,
     /// what the members do, by place
     motion: Vec<Motion>,
-    /// velocities of the members by place
+    /// masses and velocities of the members by place
+    mass: Vec<f64>,
     velocity: Vec<Vec3>,
     /// what the exchange did to the members, by place
     outcome: Vec<Outcome>,
     /// Where members are relative to.
     origin: Vec3,
     members: Vec<Member>,
-    /// smoothing lengths of the members by place
+    /// by place: smoothing lengths of the members, and where that image of each is that is nearest to the origin
     lengths: Vec<f64>,
+    images: Vec<Vec3>,
     cells: Vec<Cell>,
     candidates: Candidates,
     /// of a member that finds too little in the cell's
@@ -128,7 +130,7 @@ impl Block {
             self.bundles.name(|j| *j = slots.of(*j));
             self.loose.name(|j| *j = slots.of(*j));
             self.place.resize(self.gas.len(), 0);
-            self.hear(gas, immersed, domain, scratch);
+            self.hear(gas, domain, scratch);
         });
     }
 
@@ -145,6 +147,9 @@ impl Block {
         self.loose.clear();
         scratch.members.clear();
         scratch.lengths.clear();
+        scratch.images.clear();
+        scratch.mass.clear();
+        scratch.velocity.clear();
         let first = members.first().map(|&i| immersed.position(i as usize));
         scratch.origin = first.unwrap_or_default();
         for (&i, place) in members.iter().zip(0..) {
@@ -157,21 +162,26 @@ impl Block {
                 weights.find(&mut scratch.own, gas, domain, (x, h), reach);
                 h = weights.h;
             }
-            let x: [f64; 3] = (x - scratch.origin).into();
-            let x = x.map(|x| x as f32);
-            scratch.members.push(Member { x, place });
+            let from = x - scratch.origin;
+            let nearest = domain.nearest(from);
+            let relative: [f64; 3] = nearest.into();
+            let x32 = relative.map(|x| x as f32);
+            scratch.members.push(Member { x: x32, place });
             scratch.lengths.push(h);
+            scratch.images.push(x + (nearest - from));
+            scratch.mass.push(immersed.mass(i as usize));
+            scratch.velocity.push(immersed.velocity(i as usize));
         }
         scratch.cells.clear();
         let (h, cells) = (&scratch.lengths, &mut scratch.cells);
-        cut(&mut scratch.members, 0, (h, domain), cells);
+        cut(&mut scratch.members, (h, domain), cells);
         self.rows.clear();
         self.rows.extend(scratch.members.iter().map(|member| {
             let i = members[member.place as usize];
             Row {
                 place: member.place,
                 i,
-                m: immersed.mass(i as usize),
+                m: scratch.mass[member.place as usize],
                 x: immersed.position(i as usize),
                 h: scratch.lengths[member.place as usize],
                 ..Row::default()
@@ -192,6 +202,7 @@ impl Block {
             bundle,
             weights,
             own,
+            images,
             ..
         } = scratch;
         let (lo, hi) = (cell.lo + scratch.origin, cell.hi + scratch.origin);
@@ -203,7 +214,7 @@ impl Block {
             let count = RUN.min(cell.end - first);
             let mut points = [(Vec3::zeros(), 0.0); RUN];
             for (point, row) in points.iter_mut().zip(&self.rows[first..first + count]) {
-                *point = (row.x, row.h);
+                *point = (images[row.place as usize], row.h);
             }
             let points = &points[..count];
             let served = if count >= FEWEST {
@@ -233,12 +244,16 @@ impl Block {
     }
 
     /// Sound speed around each row, and the time to cross its smoothing length, by the velocity relative to a shear.
-    fn hear<I: Immersed>(
+    fn hear(
         &mut self,
         gas: &Gas,
-        immersed: &I,
         domain: &Domain,
-        Scratch { sums, seen, .. }: &mut Scratch,
+        Scratch {
+            sums,
+            seen,
+            velocity,
+            ..
+        }: &mut Scratch,
     ) {
         sums.clear();
         sums.extend(self.gas.iter().map(|&j| {
@@ -251,7 +266,7 @@ impl Block {
         self.loose.seen(sums, seen);
         self.around.resize(self.rows.len(), [0.0; 2]);
         for (row, seen) in self.rows.iter_mut().zip(&*seen) {
-            let v = domain.relative(row.x, immersed.velocity(row.i as usize));
+            let v = domain.relative(row.x, velocity[row.place as usize]);
             row.hear(v - vector(seen, 0), seen[ABSOLUTE]);
             self.around[row.place as usize] = [row.h, row.crossing];
         }
@@ -284,3 +299,6 @@ fn empty<T: Copy>(column: &mut Vec<T>, n: usize, value: T) {
     column.clear();
     column.resize(n, value);
 }
+
+#[cfg(test)]
+mod tests;

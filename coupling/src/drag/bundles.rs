@@ -26,7 +26,7 @@ pub struct Bundles {
 }
 
 /// The most gas particles that the rows of a lot may share: beyond, most weights would be zeros.
-const WIDEST: usize = 192;
+const WIDEST: usize = 320;
 
 /// The columns that are spread by |w|, a bit each; nothing in them is negative.
 const UNSIGNED: u64 = 0b1000_1000;

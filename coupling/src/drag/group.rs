@@ -8,10 +8,10 @@ use nbody::points::{Domain, Vec3};
 pub const RUN: usize = 8;
 
 /// Most members of a cell.
-const MOST: usize = 512;
+const MOST: usize = 1024;
 
 /// Largest extent of a cell by the largest smoothing length of a member.
-const EXTENT: f64 = 4.0;
+const EXTENT: f64 = 5.0;
 
 /// Ratio of the smoothing lengths in a cell.
 const RATIO: f64 = 1.5;
@@ -60,62 +60,70 @@ fn ends_lanes<S: Simd>(simd: S, members: &[Member]) -> (Vec3, Vec3) {
 }
 
 impl Cell {
-    /// Of the smoothing lengths `h` by place.
-    fn around(members: &[Member], first: usize, h: &[f64]) -> Self {
-        let (lo, hi) = ends(members);
+    /// The members in the box `lo`, `hi`, with the smoothing lengths `h` by place; none if these are not alike or the box is too large for them.
+    fn compact(
+        members: &[Member],
+        first: usize,
+        (lo, hi): (Vec3, Vec3),
+        (h, domain): (&[f64], &Domain),
+    ) -> Option<Self> {
+        let lengths = || members.iter().map(|member| h[member.place as usize]);
+        let largest = lengths().fold(0.0, |most: f64, h| if h > most { h } else { most });
+        let fits = domain.in_plane(hi - lo).max() <= EXTENT * largest
+            && lengths().all(|h| largest <= RATIO * h);
         let slack = Vec3::repeat(SLACK * lo.amax().max(hi.amax()));
-        let lengths = members.iter().map(|member| h[member.place as usize]);
-        Self {
+        (members.len() == 1 || fits).then(|| Self {
             first,
             end: first + members.len(),
             lo: lo - slack,
             hi: hi + slack,
-            h: lengths.fold(0.0, f64::max),
-        }
-    }
-
-    /// Whether its members are close enough, and their smoothing lengths alike.
-    fn is_compact(&self, members: &[Member], h: &[f64], domain: &Domain) -> bool {
-        let extent = domain.in_plane(self.hi - self.lo).max();
-        let alike = |member: &Member| self.h <= RATIO * h[member.place as usize];
-        members.len() == 1
-            || members.len() <= MOST && extent <= EXTENT * self.h && members.iter().all(alike)
+            h: largest,
+        })
     }
 }
 
 /// Brings the members, whose smoothing lengths by place are `h`, into an order in which those that follow each other are neighbours, and lists the
 /// cells.
-pub fn cut(
+pub fn cut(members: &mut [Member], (h, domain): (&[f64], &Domain), cells: &mut Vec<Cell>) {
+    let largest = h.iter().copied().fold(0.0, f64::max);
+    part(members, 0, (h, largest, domain), cells);
+}
+
+/// The same for those from the `first` on, whose smoothing lengths are at most `largest`.
+fn part(
     members: &mut [Member],
     first: usize,
-    (h, domain): (&[f64], &Domain),
+    (h, largest, domain): (&[f64], f64, &Domain),
     cells: &mut Vec<Cell>,
 ) {
-    let cell = Cell::around(members, first, h);
-    if cell.is_compact(members, h, domain) {
+    let ends = ends(members);
+    let extent = domain.in_plane(ends.1 - ends.0).max();
+    // Most need not ask each member for its smoothing length.
+    let small = members.len() <= MOST && extent <= EXTENT * largest || members.len() == 1;
+    let cell = small.then(|| Cell::compact(members, first, ends, (h, domain)));
+    if let Some(cell) = cell.flatten() {
         arrange(members, domain);
         cells.push(cell);
     } else {
-        let middle = halve(members, domain);
+        let middle = halve(members, ends, domain);
         let (low, high) = members.split_at_mut(middle);
-        cut(low, first, (h, domain), cells);
-        cut(high, first + middle, (h, domain), cells);
+        part(low, first, (h, largest, domain), cells);
+        part(high, first + middle, (h, largest, domain), cells);
     }
 }
 
 /// Orders the members of a cell so that each run of them is compact.
 fn arrange(members: &mut [Member], domain: &Domain) {
     if members.len() > RUN {
-        let middle = halve(members, domain);
+        let middle = halve(members, ends(members), domain);
         let (low, high) = members.split_at_mut(middle);
         arrange(low, domain);
         arrange(high, domain);
     }
 }
 
-/// Puts the lower half along the longest axis first, in whole runs if there are several; returns where the other begins.
-fn halve(members: &mut [Member], domain: &Domain) -> usize {
-    let (lo, hi) = ends(members);
+/// Puts the lower half along the longest axis of the box around them first, in whole runs if there are several; returns where the other begins.
+fn halve(members: &mut [Member], (lo, hi): (Vec3, Vec3), domain: &Domain) -> usize {
     let axis = domain.in_plane(hi - lo).imax();
     let half = members.len() / 2;
     let middle = if members.len() > RUN {
@@ -189,7 +197,8 @@ mod tests {
             for axis in 0..3 {
                 let mut members = scattered(n);
                 members.iter_mut().for_each(|member| member.x[axis] *= 3.0);
-                let middle = halve(&mut members, &Domain::open());
+                let box_around = ends(&members);
+                let middle = halve(&mut members, box_around, &Domain::open());
                 assert!(
                     middle == n / 2 || middle.is_multiple_of(RUN),
                     "{middle} of {n}"

@@ -178,7 +178,17 @@ impl Domain {
     }
 
     /// The separation to the nearest image.
-    pub fn nearest(&self, mut dx: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn nearest(&self, dx: Vec3) -> Vec3 {
+        let far = |size: Vec3| (0..3).any(|axis| dx[axis].abs() >= 0.5 * size[axis]);
+        if self.size().is_some_and(far) {
+            self.nearest_image(dx)
+        } else {
+            dx
+        }
+    }
+
+    fn nearest_image(&self, mut dx: Vec3) -> Vec3 {
         if self.period(0) > 0.0 {
             dx.y += (dx.x / self.period(0)).round() * self.offset();
         }
@@ -242,6 +252,24 @@ mod tests {
                 (0..3).all(|a| x[a] >= 0.0 && x[a] < domain.period(a)),
                 "{start} became {x}"
             );
+        }
+    }
+
+    #[test]
+    fn the_nearest_image_is_at_most_half_a_period_away() {
+        let size = Vec3::new(2.0, 3.0, 1.0);
+        let sheared = Domain::shearing(size, 0.8, 1.5).at(1.7);
+        for domain in [Domain::periodic(size), sheared] {
+            for axis in 0..3 {
+                for part in [0.3, 0.49, 0.5, 0.51, 0.9, 1.4] {
+                    let mut dx = 0.1 * size;
+                    dx[axis] = part * size[axis];
+                    let near = domain.nearest(dx);
+                    let apart = near.component_div(&size).amax();
+                    assert!(apart <= 0.5 + 1e-15, "{part} along {axis}: {near}");
+                    assert!(part >= 0.5 || near == dx, "{part} along {axis}: {near}");
+                }
+            }
         }
     }
 
