@@ -4,11 +4,12 @@
 //!     u(s) = u(0) e^-x + b s (1 - e^-x)/x,  x = (1 + eps_i) s / t_i,  eps_i = sum_j |w_ij| sum_k m_k |w_kj| / m_j,
 //! grain i takes the impulse m_i d_i, d_i = (u(s) - u(0) - b s) / (1 + eps_i), and gas j takes -w_ij m_i d_i. All grains act at once on one
 //! state of the gas. 1 + eps bounds the row sums of u' = -(1 + S) u/t (Gershgorin), so kinetic energy falls for any s / t; in uniform fields
-//! the exchange is exact. What the gas then did beyond -eps_i d_i is made up for by a second pass (deferred correction), so that it is
-//! of second order for mixtures and any positions, too. In long steps that leaves r^2 of an error, r = (eps - S)/(1 + eps): hence b_i = a_i - c_i, c_i what
-//! the gas was last found to do so, as far as drag balances forces, which lasts, and does not brake, which decays. Each half step then takes
-//! grains nearer to their terminal velocity a t / (1 + S), by r, and stiff drag is of second order, too. Momentum and angular momentum are kept
-//! to round-off; the lost kinetic energy is heat, spread over a grain's neighbours by weight.
+//! the exchange is exact, of particles of several stopping times by what `kinds` adds. What the gas then did beyond -eps_i d_i is made up for
+//! by a second pass (deferred correction), so that it is of second order for mixtures and any positions, too. In long steps that leaves r^2
+//! of an error, r = (eps - S)/(1 + eps): hence b_i = a_i - c_i, c_i what the gas was last found to do so, as far as drag balances forces,
+//! which lasts, and does not brake, which decays. Each half step then takes grains nearer to their terminal velocity a t / (1 + S), by r, and
+//! stiff drag is of second order, too. Momentum and angular momentum are kept to round-off; the lost kinetic energy is heat, spread over a
+//! grain's neighbours by weight.
 //! Velocities are those predicted to this tick (`v_pred`): a closing half step ends now and its kick is in them, an opening one begins
 //! now and its kick is not; whether kick or drag is done first does not matter. The half step's kick itself is done elsewhere.
 

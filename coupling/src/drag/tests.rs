@@ -283,69 +283,6 @@ fn sampled_density(scene: &Box) -> f64 {
     probe.sample(&scene.gas, &domain, x, h, &REACH).rho
 }
 
-/// Three kinds of grains in accelerated gas: K = 300, 30, 3, rho = 0.3 each; a = 0.1. Largest error at t = 0.1, if `several` kinds are solved as such.
-fn mixture_error(steps: i32, several: bool) -> f64 {
-    let n = 6;
-    let gas = gas(lattice(n, 0.0), 1.0, |_| Vec3::zeros());
-    let mut x = lattice(n, 0.5);
-    x.extend(lattice(n, 0.5));
-    x.extend(lattice(n, 0.5));
-    let mut dust = dust(x, 0.3, |_| Vec3::new(1.0, 0.0, 0.0));
-    // Stopping times 0.001, 0.01, 0.1, as Stokes numbers of one orbital frequency would not give: by grain size in Epstein's law.
-    let kind = |id: u64| (id / (n * n * n) as u64) as i32;
-    let domain = Domain::periodic(Vec3::repeat(n as f64));
-    let ids = dust.particles.id.clone();
-    let mut scene = {
-        for (i, &id) in ids.iter().enumerate() {
-            dust.particles.grain_radius[i] = 1e-3 * 10f64.powi(kind(id));
-        }
-        let mut settings = settings(StoppingLaw::Epstein);
-        settings.several = several;
-        Box::new(gas, dust, domain, settings)
-    };
-    // A sound speed so large that Kwok's correction is nothing.
-    let c = 1e9;
-    scene.gas.derived.p.fill(c * c);
-    let active = scene.active.clone();
-    scene
-        .exchange
-        .prepare(&scene.gas, &mut grains(&mut scene.dust), &active, &domain);
-    let rho = sampled_density(&scene);
-    let density = rho * (8.0 / std::f64::consts::PI).sqrt() * c;
-    scene.dust.particles.grain_density.fill(density);
-    scene.gas.rates.hydro.fill(Vec3::new(0.1, 0.0, 0.0));
-    for _ in 0..steps {
-        scene.step(0.1 / f64::from(steps));
-    }
-    let exact = [0.450583308826, 0.446584838812, 0.632892807823];
-    let mut worst = off(&scene.gas.particles.v, 0.450981713362);
-    for (v, &id) in scene.dust.particles.v.iter().zip(&ids) {
-        let error = (v.x - exact[kind(id) as usize]).abs();
-        worst = if error <= worst { worst } else { error };
-    }
-    worst
-}
-
-#[test]
-fn a_mixture_of_grains_converges_with_second_order() {
-    let errors: Vec<f64> = [40, 80, 160]
-        .into_iter()
-        .map(|steps| mixture_error(steps, false))
-        .collect();
-    for pair in errors.windows(2) {
-        let order = (pair[0] / pair[1]).log2();
-        assert!(order > 1.8, "{errors:?}");
-    }
-}
-
-#[test]
-fn a_mixture_of_grains_is_exact_in_any_step_where_kinds_are_solved() {
-    for steps in [1, 2, 10] {
-        let error = mixture_error(steps, true);
-        assert!(error < 1e-11, "{steps}: {error:e}");
-    }
-}
-
 #[test]
 fn angular_momentum_is_kept_even_at_the_edge() {
     let spin = |x: Vec3| Vec3::new(0.2, -0.4, 1.0).cross(&x);
