@@ -86,38 +86,44 @@ impl Kinds {
 /// what such a grain takes it to do: the first and the second three columns.
 pub fn respond(kinds: &mut [Sums]) {
     let load: f64 = kinds.iter().map(|sums| sums[3]).sum();
-    let mut answers = [[0.0; 8]; 32];
-    for [z, residue] in POLES {
-        let follows = |sums: &Sums| {
-            let x = sums[7] / sums[3];
-            Complex::from(x) / (z + x)
-        };
-        let (mut pull, mut resistance) = ([Complex::from(0.0); 3], Complex::from(1.0));
-        for sums in kinds.iter().filter(|sums| sums[3] > 0.0) {
-            let c = follows(sums);
-            for (axis, pull) in pull.iter_mut().enumerate() {
-                *pull -= c * (Complex::from(sums[4 + axis]) / z + sums[axis]);
-            }
-            resistance += c * sums[3];
-        }
-        for (sums, answer) in kinds
-            .iter()
-            .zip(&mut answers)
-            .filter(|(sums, _)| sums[3] > 0.0)
-        {
-            let c = follows(sums);
+    let gas = POLES.map(|[z, _]| mixture(kinds, z));
+    for sums in kinds.iter_mut().filter(|sums| sums[3] > 0.0) {
+        let mut answer = [0.0; 8];
+        for ([z, residue], gas) in POLES.iter().zip(&gas) {
+            let c = follows(sums, *z);
             let alike = c * load / ((c * load + 1.0) * sums[3]);
             for axis in 0..3 {
-                let own = -alike * (Complex::from(sums[4 + axis]) / z + sums[axis]);
-                let gas = residue * (pull[axis] / resistance - own);
-                answer[axis] += (c * gas).re;
-                answer[4 + axis] += gas.re;
+                let beyond = residue * (gas[axis] + alike * pull(sums, *z, axis));
+                answer[axis] += (c * beyond).re;
+                answer[4 + axis] += beyond.re;
             }
         }
-    }
-    for (sums, answer) in kinds.iter_mut().zip(answers) {
         *sums = answer;
     }
+}
+
+/// How a kind follows the gas, c_k, at a pole.
+fn follows(sums: &Sums, z: Complex<f64>) -> Complex<f64> {
+    let x = sums[7] / sums[3];
+    Complex::from(x) / (z + x)
+}
+
+/// S_k (u_k + f_k / z) along an axis.
+fn pull(sums: &Sums, z: Complex<f64>, axis: usize) -> Complex<f64> {
+    Complex::from(sums[4 + axis]) / z + sums[axis]
+}
+
+/// G_p of the mixture.
+fn mixture(kinds: &[Sums], z: Complex<f64>) -> [Complex<f64>; 3] {
+    let (mut pulls, mut resistance) = ([Complex::from(0.0); 3], Complex::from(1.0));
+    for sums in kinds.iter().filter(|sums| sums[3] > 0.0) {
+        let c = follows(sums, z);
+        for (axis, sum) in pulls.iter_mut().enumerate() {
+            *sum -= c * pull(sums, z, axis);
+        }
+        resistance += c * sums[3];
+    }
+    pulls.map(|sum| sum / resistance)
 }
 
 #[cfg(test)]
