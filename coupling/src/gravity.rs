@@ -29,6 +29,8 @@ pub type Pulls = [[bool; 5]; 5];
 /// Everything pulls everything.
 pub const ALL_PULL: Pulls = [[true; 5]; 5];
 
+const GAS: usize = 0;
+const DUST: usize = 1;
 const PLANETESIMALS: usize = 2;
 const PLANETS: usize = 3;
 const STAR: usize = 4;

@@ -42,7 +42,7 @@ pub fn heavies(system: &mut System) -> Vec<Heavy> {
 
 impl Heavy {
     /// Its place in [`super::Pulls`].
-    fn rank(&self) -> usize {
+    pub(super) fn rank(&self) -> usize {
         if self.star { STAR } else { PLANETS }
     }
 

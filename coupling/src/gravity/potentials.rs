@@ -7,7 +7,7 @@ use nbody::gravity::per_distance;
 use nbody::points::{Vec3, sum};
 use rayon::prelude::*;
 
-use super::{Heavy, Plan, Softening};
+use super::{DUST, GAS, Heavy, PLANETESIMALS, PLANETS, Plan, Softening};
 use crate::System;
 
 /// The planetesimals' potentials by each other, for integrators that do their forces themselves.
@@ -44,18 +44,28 @@ struct Members<'a> {
     m: &'a [f64],
     softening: Cow<'a, [f64]>,
     potential: &'a mut [f64],
+    /// What they are in the table of pulls, unless they are planets.
+    rank: usize,
     /// Places of planets: they have their own sum.
     planets: Vec<usize>,
 }
 
+impl Plan {
+    /// Whether either of two pulls the other: what pulls nobody and is pulled by nobody has no potential energy.
+    fn counts(&self, a: usize, b: usize) -> bool {
+        self.pulls[a][b] || self.pulls[b][a]
+    }
+}
+
 impl Members<'_> {
     /// Adds the potentials of `heavies`; returns the potential energy: half of what stood there before, all of what is added.
-    fn add(&mut self, heavies: &[Heavy], g: f64) -> f64 {
+    fn add(&mut self, plan: &Plan, heavies: &[Heavy], g: f64) -> f64 {
         let Self {
             x,
             m,
             softening,
             potential,
+            rank,
             planets,
         } = self;
         let halves = sum::ordered(x.len(), 0.0, |range| {
@@ -66,9 +76,11 @@ impl Members<'_> {
             .with_min_len(sum::CHUNK)
             .map(|i| {
                 let planet = planets.contains(&i);
+                let rank = if planet { PLANETS } else { *rank };
                 let others = heavies
                     .iter()
-                    .filter(|heavy| heavy.star || !planet || heavy.place != i);
+                    .filter(|heavy| heavy.star || !planet || heavy.place != i)
+                    .filter(|heavy| plan.counts(heavy.rank(), rank));
                 others
                     .map(|heavy| g * heavy.pull(x[i], softening[i]).1)
                     .sum()
@@ -91,16 +103,19 @@ pub fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
     let (gas, dust, bodies) = (&mut system.gas, &mut system.dust, &mut system.bodies);
     let soft =
         |softening: Softening, h: &[f64]| h.iter().map(|&h| softening.of(h)).collect::<Cow<_>>();
-    let fluid = |x, m, h, softening, potential| Members {
+    let fluid = |rank, (x, m), softening, potential| Members {
         x,
         m,
-        softening: soft(softening, h),
+        softening,
         potential,
+        rank,
         planets: Vec::new(),
     };
     let (p, d) = (&gas.particles, &dust.particles);
-    let mut energy = fluid(&p.x, &p.m, &p.h, plan.gas, &mut gas.rates.potential).add(heavies, g);
-    energy += fluid(&d.x, &d.m, &d.h, plan.dust, &mut dust.rates.potential).add(heavies, g);
+    let (soft_gas, soft_dust) = (soft(plan.gas, &p.h), soft(plan.dust, &d.h));
+    let (phi_gas, phi_dust) = (&mut gas.rates.potential, &mut dust.rates.potential);
+    let mut energy = fluid(GAS, (&p.x, &p.m), soft_gas, phi_gas).add(plan, heavies, g);
+    energy += fluid(DUST, (&d.x, &d.m), soft_dust, phi_dust).add(plan, heavies, g);
     let planets = (0..bodies.x.len())
         .filter(|&i| bodies.kind[i] == Kind::Planet as u32)
         .collect();
@@ -110,11 +125,13 @@ pub fn add_potentials(system: &mut System, plan: &Plan, heavies: &[Heavy]) {
         m: &bodies.m,
         softening,
         potential: &mut bodies.potential,
+        rank: PLANETESIMALS,
         planets,
     }
-    .add(heavies, g);
+    .add(plan, heavies, g);
     for (k, heavy) in heavies.iter().enumerate() {
-        for other in &heavies[..k] {
+        let others = heavies[..k].iter();
+        for other in others.filter(|other| plan.counts(heavy.rank(), other.rank())) {
             let softening = if heavy.star || other.star {
                 0.0
             } else {

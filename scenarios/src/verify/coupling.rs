@@ -2,11 +2,17 @@
 
 mod decay;
 mod friction;
+mod three;
 mod torque;
 
 use super::{Problem, own};
 
 pub const PROBLEMS: &[Problem] = &[
+    own(
+        "coupling-box",
+        "gas, dust and bodies that exchange momentum, stopping times from 1e-12 to 1e12 (Benitez-Llambay et al. 2019)",
+        three::rows,
+    ),
     own(
         "coupling-decay",
         "orbits of planetesimals among gas particles, against the same disk as a formula (Adachi et al. 1976); about 1 minute",
