@@ -21,6 +21,7 @@ mod group;
 mod immersed;
 mod kinds;
 mod loose;
+mod mixed;
 mod operators;
 mod prescribed;
 mod relaxation;
@@ -36,6 +37,7 @@ use rayon::prelude::*;
 pub use booking::{Booking, Change};
 pub use dust::{Ambient, StoppingLaw};
 pub use immersed::{BodiesInGas, Grains, Immersed, Star};
+pub use mixed::Mixed;
 pub use operators::{BodyDrag, DustDrag};
 pub use prescribed::{DustInDisk, Ties};
 
@@ -193,6 +195,27 @@ impl Exchange {
         }
     }
 
+    /// [`Exchange::exchange`], after new masses are learned if there are any.
+    fn act<I: Immersed>(
+        &mut self,
+        gas: &mut Gas,
+        immersed: &mut I,
+        steps: &[f64],
+        when: (Half, &Clock),
+        reweighed: bool,
+    ) -> Booking {
+        if reweighed {
+            self.reweigh(gas, immersed);
+        }
+        self.exchange(gas, immersed, steps, when)
+    }
+
+    /// The largest load of the last exchange.
+    fn heaviest(&self) -> f64 {
+        let blocks = self.blocks[..self.used].iter();
+        blocks.fold(0.0, |most, block| most.max(block.heaviest))
+    }
+
     /// Drag over the half steps `steps` of the active particles, as they were given to [`Exchange::prepare`], at the tick of `clock`.
     pub fn exchange<I: Immersed>(
         &mut self,
@@ -228,7 +251,8 @@ impl Exchange {
         if settings.feedback {
             if settings.several {
                 let steps = (steps, length, half);
-                consider_kinds(blocks, &mut self.touched, see, steps);
+                let dimensions = domain.dimensions() as i32;
+                consider_kinds(blocks, &mut self.touched, (see, dimensions), steps);
                 blocks.par_iter_mut().for_each(|block| block.spread(half));
             }
             match half {
@@ -266,14 +290,14 @@ impl Exchange {
 fn consider_kinds(
     blocks: &mut [Block],
     touched: &mut Touched,
-    gas: &Gas,
+    (gas, dimensions): (&Gas, i32),
     (steps, length, half): (&[f64], usize, Half),
 ) {
     let own = |blocks: &mut [Block], pass: &(dyn Fn(&mut Block, &[f64]) + Sync)| {
         let both = blocks.par_iter_mut().zip(steps.par_chunks(length));
         both.for_each(|(block, steps)| pass(block, steps));
     };
-    own(blocks, &Block::find_kinds);
+    own(blocks, &|block, steps| block.find_kinds(steps, dimensions));
     let kinds = (blocks.iter()).fold(Kinds::default(), |all, block| all.with(block.kinds));
     if kinds.count() < 2 {
         return;

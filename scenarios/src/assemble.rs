@@ -257,6 +257,11 @@ fn operators(
         drift.observers = gravity.observers();
         list.push(Box::new(gravity));
     }
+    let dragged = (scene.planetesimals.as_ref())
+        .filter(|_| gas && scene.coupling.gas_planetesimals)
+        .map(|p| populate::body_law(scene, p));
+    // One exchange for all that gas drags: each feels what others do to the gas.
+    let together = scene.coupling.mixtures && dust && scene.coupling.gas_dust;
     if let (true, true, Some(d), Some(hydro)) =
         (gas, dust && scene.coupling.gas_dust, &scene.dust, &hydro)
     {
@@ -268,19 +273,15 @@ fn operators(
             scene.coupling.heat_share,
         );
         drag.mixtures = scene.coupling.mixtures;
+        drag.bodies = dragged.filter(|_| together);
         drag.tolerance = scene.coupling.tolerance;
         list.push(Box::new(drag));
     }
     list.extend(dust_in_disk(scene).filter(|_| dust));
-    if let (true, true, Some(p), Some(hydro)) = (
-        gas,
-        scene.coupling.gas_planetesimals,
-        &scene.planetesimals,
-        &hydro,
-    ) {
+    if let (Some(law), Some(hydro)) = (dragged.filter(|_| !together), &hydro) {
         drift.always = true;
         list.push(Box::new(BodyDrag::new(
-            populate::body_law(scene, p),
+            law,
             hydro,
             scene.coupling.feedback,
             scene.coupling.heat_share,

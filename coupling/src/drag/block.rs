@@ -68,6 +68,8 @@ thread_local! {
 #[derive(Clone, Debug, Default)]
 pub struct Block {
     rows: Vec<Row>,
+    /// Rows of particles from this on are bodies.
+    bodies: u32,
     bundles: Bundles,
     loose: Loose,
     /// gas particle of each slot
@@ -80,6 +82,8 @@ pub struct Block {
     pub both: Vec<Both>,
     /// mean of the half steps of the rows
     pub half: f64,
+    /// largest load of a row
+    pub heaviest: f64,
     /// What rows are to give in the other half of their step; a buffer of the thread's, until it is spread.
     coming: Vec<Parcel>,
     /// Where grains differ: the kinds there are, and what each has at each slot.
@@ -117,6 +121,7 @@ impl Block {
         members: &[u32],
         (domain, reach): (&Domain, &Reach),
     ) {
+        self.bodies = immersed.bodies();
         SCRATCH.with_borrow_mut(|scratch| {
             self.list(gas, immersed, members, (domain, reach), scratch);
             for c in 0..scratch.cells.len() {

@@ -15,6 +15,10 @@ pub trait Immersed: Sync {
     fn law(&self, i: usize, law: StoppingLaw) -> StoppingLaw;
     /// Orbital frequency; zero without a star.
     fn omega(&self, i: usize) -> f64;
+    /// Particles from this on are bodies among grains.
+    fn bodies(&self) -> u32 {
+        u32::MAX
+    }
     /// Velocity at this tick.
     fn velocity(&self, i: usize) -> Vec3;
     /// Acceleration by everything but drag, over the half step; none if that is not to be solved together with drag.

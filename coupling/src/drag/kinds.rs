@@ -6,7 +6,8 @@
 //! over p of r_p G_p,
 //!     G_p = -sum_k c_k S_k (u_k + f_k / z_p) / (1 + sum_k c_k S_k),   c_k = x_k / (x_k + z_p),
 //! which solves a resolvent of the mixture in closed form, and a grain of kind k follows it by c_k G_p. From both is taken what they would be were
-//! all like k. Kinds are stopping times within a factor of two; the stiffest and the loosest are one each.
+//! all like k. Kinds are stopping times within a factor of two, of grains and of bodies each; the stiffest and the loosest are one each. Members that in
+//! a half step give no gas more than 1e-8 of what it has do not make a kind: planetesimals in the way of grains cost what they cost alone.
 //! Loads are sums of |w|, so that no denominator vanishes.
 //! The poles: Caratheodory-Fejer approximation of exp on the negative axis of type (14, 14), error 6e-14 (Trefethen, Weideman & Schmelzer 2006, BIT 46, 653).
 
@@ -56,16 +57,26 @@ const STIFFEST: i32 = 12;
 /// Most e-foldings that are told from infinitely many.
 pub const LARGEST: f64 = 1e30;
 
-/// The kinds that there are, a bit each.
+/// The kinds that there are, a bit each: those of grains, and from the middle on those of bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Kinds(u32);
+pub struct Kinds(u64);
+
+/// Bits of a family.
+const FAMILY: i32 = u64::BITS as i32 / 2;
+
+/// Grains, or bodies: they move differently even where the same time stops them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    Grains,
+    Bodies,
+}
 
 impl Kinds {
-    /// That of grains with `x` e-foldings in a half step.
-    pub fn of(x: f64) -> Self {
+    /// That of a member of a family with `x` e-foldings in a half step.
+    pub fn of(family: Family, x: f64) -> Self {
         // The exponent of a positive number is the power of two below it.
         let power = (x.to_bits() >> (f64::MANTISSA_DIGITS - 1)) as i32 - (f64::MAX_EXP - 1);
-        Self(1 << (power.clamp(LOOSEST, STIFFEST) - LOOSEST))
+        Self(1 << (power.clamp(LOOSEST, STIFFEST) - LOOSEST + FAMILY * family as i32))
     }
 
     pub fn with(self, other: Self) -> Self {
@@ -76,9 +87,10 @@ impl Kinds {
         self.0.count_ones() as usize
     }
 
-    /// The number of a kind among these.
-    pub fn number(self, kind: Self) -> usize {
-        (self.0 & (kind.0 - 1)).count_ones() as usize
+    /// The number of a kind among these, if it is one of them.
+    pub fn number(self, kind: Self) -> Option<usize> {
+        let below = (self.0 & (kind.0 - 1)).count_ones() as usize;
+        (self.0 & kind.0 != 0).then_some(below)
     }
 }
 
@@ -143,10 +155,18 @@ mod tests {
 
     #[test]
     fn kinds_are_powers_of_two_and_numbered_in_their_order() {
-        let kinds = [1e-9, 0.3, 0.4, 5.0, 1e9, f64::INFINITY].map(Kinds::of);
+        let own = |x| Kinds::of(Family::Grains, x);
+        let kinds = [1e-9, 0.3, 0.4, 5.0, 1e9, f64::INFINITY].map(own);
         let all = kinds.into_iter().fold(Kinds::default(), Kinds::with);
-        assert_eq!(kinds.map(|kind| all.number(kind)), [0, 1, 1, 2, 3, 3]);
+        let numbers = kinds.map(|kind| all.number(kind));
+        assert_eq!(numbers, [0, 1, 1, 2, 3, 3].map(Some));
         assert_eq!(all.count(), 4);
-        assert_eq!(Kinds::of(0.0), kinds[0]);
+        assert_eq!(all.number(own(1.0)), None);
+        // Bodies that the same times stop come after all grains.
+        let bodies = [1e-9, f64::INFINITY].map(|x| Kinds::of(Family::Bodies, x));
+        assert_eq!(bodies.map(|kind| all.number(kind)), [None; 2]);
+        let both = bodies.into_iter().fold(all, Kinds::with);
+        assert_eq!(bodies.map(|kind| both.number(kind)), [4, 5].map(Some));
+        assert_eq!(own(0.0), kinds[0]);
     }
 }

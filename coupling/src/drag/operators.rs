@@ -1,12 +1,13 @@
 //! Drag as operators of a step: of dust in gas, and of bodies in gas.
 
-use dust::Superparticles;
-use gas::Hydro;
+use dust::{Dust, Superparticles};
 use gas::probe::Reach;
+use gas::{Gas, Hydro};
 use nbody::points::{Columns, Fault, Vec3};
 
 use super::course::Course;
-use super::{BodiesInGas, Booking, Exchange, Grains, Half, Settings, Star, StoppingLaw};
+use super::row::Row;
+use super::{BodiesInGas, Booking, Exchange, Grains, Half, Mixed, Settings, Star, StoppingLaw};
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
 
@@ -67,13 +68,70 @@ pub(super) fn book(system: &mut System, booking: &Booking, feedback: bool) {
     system.ledger.lopsided += booking.plain as u64;
 }
 
-/// Drag between dust and gas.
+/// The bodies that take part in an exchange.
+#[derive(Default)]
+struct Fleet {
+    /// places, so that neighbours in the list are neighbours in space
+    places: Vec<u32>,
+    /// Places of the planets, and their velocities before an exchange.
+    planets: Vec<(usize, Vec3)>,
+}
+
+impl Fleet {
+    fn list(&mut self, system: &mut System) {
+        let x: &[Vec3] = &system.bodies.x;
+        self.places.clear();
+        self.places.extend(0..x.len() as u32);
+        let cube = nbody::points::sort::Cube::around(x);
+        self.places.sort_by_cached_key(|&i| cube.key(x[i as usize]));
+        system.bodies.h.resize(self.places.len(), 0.0);
+    }
+
+    fn remember(&mut self, system: &System) {
+        self.planets.clear();
+        let planets = (0..system.bodies.len()).filter(|&i| system.bodies.kind[i] == PLANET);
+        self.planets
+            .extend(planets.map(|i| (i, system.bodies.v[i])));
+    }
+
+    /// Books how planets were braked, and shows the bodies as they are now.
+    fn settle(&self, system: &mut System) {
+        for &(i, before) in &self.planets {
+            let impulse = system.bodies.m[i] * (system.bodies.v[i] - before);
+            system.braked.add(system.bodies.id[i], impulse);
+        }
+        system.look();
+    }
+}
+
+/// Does something with the bodies of a system as particles in gas, and gas and dust beside them.
+fn with_bodies<T>(
+    system: &mut System,
+    act: impl FnOnce(BodiesInGas, &mut Gas, &mut Dust) -> T,
+) -> T {
+    let star = Star::of(system);
+    let mut h = std::mem::take(&mut system.bodies.h);
+    let bodies = BodiesInGas {
+        bodies: &mut system.bodies,
+        h: &mut h,
+        star,
+    };
+    let answer = act(bodies, &mut system.gas, &mut system.dust);
+    system.bodies.h = h;
+    answer
+}
+
+/// Drag between dust and gas, and of bodies in the same exchange if they are to be solved together.
 pub struct DustDrag {
     exchange: Exchange,
-    /// Whether grains of several stopping times are solved together.
+    /// Whether particles of several stopping times are solved together.
     pub mixtures: bool,
     /// Error of the splitting of a step that base steps keep to; none: they do not depend on it.
     pub tolerance: Option<f64>,
+    /// The law of bodies that take part.
+    pub bodies: Option<StoppingLaw>,
+    fleet: Fleet,
+    /// Dust, and bodies after all dust.
     active: Vec<u32>,
     steps: Vec<f64>,
 }
@@ -84,25 +142,36 @@ impl DustDrag {
             exchange: exchange(law, hydro, feedback, heat_share),
             mixtures: true,
             tolerance: None,
+            bodies: None,
+            fleet: Fleet::default(),
             active: Vec::new(),
             steps: Vec::new(),
         }
     }
 
+    /// Rows of dust.
+    fn grains(&self, system: &System) -> impl Iterator<Item = &Row> {
+        let dust = system.dust.len();
+        self.exchange
+            .rows()
+            .filter(move |row| (row.i as usize) < dust)
+    }
+
     /// Notes how drag accelerates in the halves that open.
     fn note(&self, system: &mut System) {
-        let rates = &mut system.dust.rates;
-        rates.opening_drag.resize(rates.v_pred.len(), Vec3::zeros());
-        for row in self.exchange.rows() {
-            rates.opening_drag[row.i as usize] = row.dv / self.steps[row.place as usize];
+        let mut drag = std::mem::take(&mut system.dust.rates.opening_drag);
+        drag.resize(system.dust.len(), Vec3::zeros());
+        for row in self.grains(system) {
+            drag[row.i as usize] = row.dv / self.steps[row.place as usize];
         }
+        system.dust.rates.opening_drag = drag;
     }
 
     /// Chooses the longest that the base step after the next may be, by how drag went over the step that ends now.
     fn learn(&self, system: &mut System, tolerance: f64) {
         let (unit, rates) = (system.next.unit(), &system.dust.rates);
         let mut longest = GROWTH * (system.next.end - system.next.start);
-        for row in self.exchange.rows() {
+        for row in self.grains(system) {
             let i = row.i as usize;
             let opening = rates.opening_drag.get(i).copied().unwrap_or_default();
             let half = self.steps[row.place as usize];
@@ -118,37 +187,65 @@ impl DustDrag {
     /// time in which sound and a grain cross a smoothing length.
     fn pace(&self, system: &mut System, tolerance: f64) {
         if system.clock.step == 0 {
-            let crossings = self.exchange.rows().map(|row| row.crossing);
+            let crossings = self.grains(system).map(|row| row.crossing);
             system.drag_step = tolerance.sqrt() * crossings.fold(f64::INFINITY, f64::min);
         }
         system.next = system.clock.next_base(system.next.end, system.drag_step);
     }
 
-    fn act(&mut self, system: &mut System, half: Half, step: impl Fn(&System, usize) -> f64) {
-        self.steps.clear();
-        self.steps
-            .extend(self.active.iter().map(|&i| step(system, i as usize)));
-        let star = Star::of(system);
-        let mut grains = Grains {
-            dust: &mut system.dust,
-            star,
+    /// The half step of a grain is `step`, that of bodies `bodies_step`.
+    fn act(
+        &mut self,
+        system: &mut System,
+        half: Half,
+        step: impl Fn(&System, usize) -> f64,
+        bodies_step: f64,
+    ) {
+        let dust = system.dust.len();
+        let both = |&i: &u32| match i as usize {
+            i if i < dust => step(system, i),
+            _ => bodies_step,
         };
-        if half == Half::Opening && system.reweighed {
-            self.exchange.reweigh(&system.gas, &grains);
-        }
-        let booking = self.exchange.exchange(
-            &mut system.gas,
-            &mut grains,
-            &self.steps,
-            (half, &system.clock),
-        );
+        self.steps.clear();
+        self.steps.extend(self.active.iter().map(both));
+        let (exchange, steps, clock) = (&mut self.exchange, &self.steps, system.clock);
+        let reweighed = half == Half::Opening && system.reweighed;
+        let booking = if let Some(law) = self.bodies.filter(|_| system.bodies_active()) {
+            self.fleet.remember(system);
+            let booking = with_bodies(system, |bodies, gas, dust| {
+                let star = bodies.star;
+                let grains = Grains { dust, star };
+                let mut mixed = Mixed {
+                    grains,
+                    bodies,
+                    law,
+                };
+                exchange.act(gas, &mut mixed, steps, (half, &clock), reweighed)
+            });
+            self.fleet.settle(system);
+            booking
+        } else {
+            let star = Star::of(system);
+            let dust = &mut system.dust;
+            let mut grains = Grains { dust, star };
+            exchange.act(
+                &mut system.gas,
+                &mut grains,
+                steps,
+                (half, &clock),
+                reweighed,
+            )
+        };
         book(system, &booking, self.exchange.settings.feedback);
     }
 }
 
 impl Operator for DustDrag {
     fn name(&self) -> &'static str {
-        "drag dust"
+        match self.bodies {
+            None => "drag dust",
+            Some(_) => "drag",
+        }
     }
 
     fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
@@ -156,16 +253,33 @@ impl Operator for DustDrag {
         system.list_active_dust(&mut self.active);
         limit(&mut self.exchange, system);
         if system.clock.synchronous() {
-            let several = self.mixtures && are_several(&system.dust.particles);
-            self.exchange.settings.several = several;
+            let beside = self.bodies.is_some() && !system.bodies.is_empty();
+            let differ = beside || are_several(&system.dust.particles);
+            self.exchange.settings.several = self.mixtures && differ;
         }
-        let star = Star::of(system);
-        let mut grains = Grains {
-            dust: &mut system.dust,
-            star,
-        };
-        self.exchange
-            .prepare(&system.gas, &mut grains, &self.active, &system.domain);
+        let (exchange, domain) = (&mut self.exchange, system.domain);
+        if let Some(law) = self.bodies.filter(|_| system.bodies_active()) {
+            self.fleet.list(system);
+            let first = system.dust.len() as u32;
+            let places = self.fleet.places.iter().map(|i| first + i);
+            self.active.extend(places);
+            let active = &self.active;
+            with_bodies(system, |bodies, gas, dust| {
+                let star = bodies.star;
+                let grains = Grains { dust, star };
+                let mut mixed = Mixed {
+                    grains,
+                    bodies,
+                    law,
+                };
+                exchange.prepare(gas, &mut mixed, active, &domain);
+            });
+        } else {
+            let star = Star::of(system);
+            let dust = &mut system.dust;
+            let mut grains = Grains { dust, star };
+            exchange.prepare(&system.gas, &mut grains, &self.active, &domain);
+        }
         meter.count(self.active.len(), 0);
         if let Some(tolerance) = self.tolerance.filter(|_| system.clock.synchronous()) {
             self.pace(system, tolerance);
@@ -175,12 +289,14 @@ impl Operator for DustDrag {
 
     fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Drag);
-        self.act(system, Half::Closing, |s, i| {
-            s.closing(s.dust.particles.begin[i], s.dust.particles.span[i])
-        });
-        let rates = &mut system.dust.rates;
-        if rates.excess.is_empty() && self.exchange.rows().any(|row| row.eps > HEAVY) {
-            rates.excess.resize(rates.v_pred.len(), Vec3::zeros());
+        let bodies = system.closing(system.pace.begin, system.pace.span);
+        let own =
+            |s: &System, i: usize| s.closing(s.dust.particles.begin[i], s.dust.particles.span[i]);
+        self.act(system, Half::Closing, own, bodies);
+        let heavy = || self.exchange.heaviest() > HEAVY;
+        if system.dust.rates.excess.is_empty() && heavy() {
+            let n = system.dust.len();
+            system.dust.rates.excess.resize(n, Vec3::zeros());
         }
         if let Some(tolerance) = self.tolerance.filter(|_| system.clock.synchronous()) {
             self.learn(system, tolerance);
@@ -190,9 +306,9 @@ impl Operator for DustDrag {
 
     fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
         meter.enter(Phase::Drag);
-        self.act(system, Half::Opening, |s, i| {
-            s.opening(s.dust.rates.next_span[i])
-        });
+        let bodies = system.opening(system.pace.next_span);
+        let own = |s: &System, i: usize| s.opening(s.dust.rates.next_span[i]);
+        self.act(system, Half::Opening, own, bodies);
         if self.tolerance.is_some() {
             self.note(system);
         }
@@ -203,52 +319,30 @@ impl Operator for DustDrag {
 /// Drag between bodies and gas, at the bodies' ticks.
 pub struct BodyDrag {
     exchange: Exchange,
-    active: Vec<u32>,
+    fleet: Fleet,
     steps: Vec<f64>,
-    /// Places of the planets, and their velocities before an exchange.
-    planets: Vec<(usize, Vec3)>,
 }
 
 impl BodyDrag {
     pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Self {
         Self {
             exchange: exchange(law, hydro, feedback, heat_share),
-            active: Vec::new(),
+            fleet: Fleet::default(),
             steps: Vec::new(),
-            planets: Vec::new(),
         }
     }
 
     fn act(&mut self, system: &mut System, half: Half, step: f64) {
         self.steps.clear();
-        self.steps.resize(self.active.len(), step);
-        let star = Star::of(system);
-        self.planets.clear();
-        let planets = (0..system.bodies.len()).filter(|&i| system.bodies.kind[i] == PLANET);
-        self.planets
-            .extend(planets.map(|i| (i, system.bodies.v[i])));
-        let mut h = std::mem::take(&mut system.bodies.h);
-        let mut bodies = BodiesInGas {
-            bodies: &mut system.bodies,
-            h: &mut h,
-            star,
-        };
-        if half == Half::Opening && system.reweighed {
-            self.exchange.reweigh(&system.gas, &bodies);
-        }
-        let booking = self.exchange.exchange(
-            &mut system.gas,
-            &mut bodies,
-            &self.steps,
-            (half, &system.clock),
-        );
-        system.bodies.h = h;
-        for &(i, before) in &self.planets {
-            let impulse = system.bodies.m[i] * (system.bodies.v[i] - before);
-            system.braked.add(system.bodies.id[i], impulse);
-        }
+        self.steps.resize(self.fleet.places.len(), step);
+        self.fleet.remember(system);
+        let (exchange, steps, clock) = (&mut self.exchange, &self.steps, system.clock);
+        let reweighed = half == Half::Opening && system.reweighed;
+        let booking = with_bodies(system, |mut bodies, gas, _| {
+            exchange.act(gas, &mut bodies, steps, (half, &clock), reweighed)
+        });
         book(system, &booking, self.exchange.settings.feedback);
-        system.look();
+        self.fleet.settle(system);
     }
 }
 
@@ -262,25 +356,13 @@ impl Operator for BodyDrag {
             return Ok(());
         }
         meter.enter(Phase::Drag);
-        self.active.clear();
-        self.active.extend(0..system.bodies.x.len() as u32);
         limit(&mut self.exchange, system);
-        // Neighbours in the list are to be neighbours in space.
-        let x: &[Vec3] = &system.bodies.x;
-        let cube = nbody::points::sort::Cube::around(x);
-        self.active.sort_by_cached_key(|&i| cube.key(x[i as usize]));
-        let star = Star::of(system);
-        let mut h = std::mem::take(&mut system.bodies.h);
-        h.resize(self.active.len(), 0.0);
-        let mut bodies = BodiesInGas {
-            bodies: &mut system.bodies,
-            h: &mut h,
-            star,
-        };
-        self.exchange
-            .prepare(&system.gas, &mut bodies, &self.active, &system.domain);
-        system.bodies.h = h;
-        meter.count(self.active.len(), 0);
+        self.fleet.list(system);
+        let (exchange, places, domain) = (&mut self.exchange, &self.fleet.places, system.domain);
+        with_bodies(system, |mut bodies, gas, _| {
+            exchange.prepare(gas, &mut bodies, places, &domain);
+        });
+        meter.count(self.fleet.places.len(), 0);
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-//! Abreast: eight spheres at once under laws of one kind.
+//! Abreast: eight spheres at once.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
@@ -37,7 +37,7 @@ impl Abreast {
 
     /// Whether the stopping times are the same at all speeds.
     pub fn is_linear(&self) -> bool {
-        self.law[0].is_linear()
+        self.law.iter().all(StoppingLaw::is_linear)
     }
 
     /// Epstein's rates at no speed, and the squares of the variable of Kwok's factor.

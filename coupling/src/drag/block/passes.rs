@@ -165,6 +165,7 @@ impl Block {
         (settings, domain): (&Settings, &Domain),
     ) {
         let mut booking = Booking::default();
+        self.heaviest = 0.0;
         SCRATCH.with_borrow_mut(
             |Scratch {
                  velocity, outcome, ..
@@ -175,6 +176,7 @@ impl Block {
                 for row in &self.rows {
                     let v = velocity[row.place as usize];
                     row.book(v, &mut booking);
+                    self.heaviest = self.heaviest.max(row.eps);
                     if !settings.feedback {
                         row.give_away(domain.relative(row.x, v), &mut booking);
                     }

@@ -2,7 +2,7 @@
 
 use super::{Block, SCRATCH, Scratch, empty, vector};
 use crate::drag::Half;
-use crate::drag::kinds::{Kinds, LARGEST, Sums};
+use crate::drag::kinds::{Family, Kinds, LARGEST, Sums};
 use crate::drag::row::Row;
 
 /// The largest load with which the response is taken whole. Of scattered grains kinds see different means of the gas around, and gas that is light
@@ -14,16 +14,34 @@ fn folds(row: &Row, step: f64) -> f64 {
     (step / row.t_stop).min(LARGEST)
 }
 
+/// Momentum that a row gives to the gas around in a half step, by that of this gas at the same speed, from which on it makes a kind.
+const LEAST: f64 = 1e-8;
+
+/// The kind of a row with `x` e-foldings, where particles from `bodies` on are bodies.
+fn kind(row: &Row, bodies: u32, x: f64) -> Kinds {
+    let family = match row.i < bodies {
+        true => Family::Grains,
+        false => Family::Bodies,
+    };
+    Kinds::of(family, x)
+}
+
 impl Block {
-    /// Finds the kinds of the rows.
-    pub fn find_kinds(&mut self, steps: &[f64]) {
-        let of = |row: &Row| Kinds::of(folds(row, steps[row.place as usize]));
-        self.kinds = self.rows.iter().map(of).fold(Kinds::default(), Kinds::with);
+    /// Finds the kinds of the rows, in so many dimensions.
+    pub fn find_kinds(&mut self, steps: &[f64], dimensions: i32) {
+        let mut kinds = Kinds::default();
+        for row in &self.rows {
+            let x = folds(row, steps[row.place as usize]);
+            if row.m * x.min(1.0) > LEAST * row.rho * row.h.powi(dimensions) {
+                kinds = kinds.with(kind(row, self.bodies, x));
+            }
+        }
+        self.kinds = kinds;
     }
 
     /// Spreads over the slots, by kind, what rows have at the start of their half step.
     pub fn spread_kinds(&mut self, kinds: Kinds, (steps, half): (&[f64], Half)) {
-        let count = kinds.count();
+        let (count, bodies) = (kinds.count(), self.bodies);
         empty(&mut self.by_kind, self.gas.len() * count, [0.0; 8]);
         let of = |row: usize| {
             let row = &self.rows[row];
@@ -32,7 +50,8 @@ impl Block {
             let (u, f) = (row.m * start, row.m * (kick - row.expected));
             let load = row.m * row.gain;
             let sums: Sums = [u.x, u.y, u.z, load, f.x, f.y, f.z, load * x];
-            (kinds.number(Kinds::of(x)), sums)
+            let number = kinds.number(kind(row, bodies, x));
+            number.map_or((0, Sums::default()), |number| (number, sums))
         };
         self.bundles.spread_kinds(of, count, &mut self.by_kind);
         self.loose.spread_kinds(of, count, &mut self.by_kind);
@@ -41,19 +60,25 @@ impl Block {
     /// Lets the rows respond to what others do differently; `responses` are those of the touched gas. What they are to give in the other half of a step
     /// follows as far as the response lasts.
     pub fn respond(&mut self, kinds: Kinds, (steps, half): (&[f64], Half), responses: &[Sums]) {
-        let count = kinds.count();
+        let (count, bodies) = (kinds.count(), self.bodies);
         for (own, &place) in self.by_kind.chunks_mut(count).zip(&self.place) {
             own.copy_from_slice(&responses[place as usize * count..][..count]);
         }
         SCRATCH.with_borrow_mut(|Scratch { seen, .. }| {
             empty(seen, self.rows.len(), [0.0; 8]);
-            let of = |row: usize| {
-                let row = &self.rows[row];
-                kinds.number(Kinds::of(folds(row, steps[row.place as usize])))
+            let own = |row: &Row| {
+                let x = folds(row, steps[row.place as usize]);
+                kinds.number(kind(row, bodies, x))
             };
+            let of = |row: usize| own(&self.rows[row]).unwrap_or(0);
             let field = (count, self.by_kind.as_slice());
             self.bundles.seen_kinds(of, field, seen);
             self.loose.seen_kinds(of, field, seen);
+            for (row, seen) in self.rows.iter().zip(&mut *seen) {
+                if own(row).is_none() {
+                    *seen = [0.0; 8];
+                }
+            }
             for ((row, seen), coming) in self.rows.iter_mut().zip(&*seen).zip(&mut self.coming) {
                 let part = (MODERATE / row.eps).min(1.0);
                 let more = part * vector(seen, 0);
