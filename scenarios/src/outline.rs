@@ -340,7 +340,7 @@ pub fn absent(scene: &Scene, system: &System) -> Vec<&'static str> {
         ),
         (
             gas && !scene.coupling.mixtures,
-            "what grains of several stopping times do to each other through the gas within a step",
+            "what grains of several stopping times, and bodies, do to each other through the gas within a step",
         ),
         (
             gas && scene

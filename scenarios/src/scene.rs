@@ -519,7 +519,7 @@ pub struct Coupling {
     pub feedback: bool,
     /// Of the heat of friction, what the gas keeps; the rest is radiated.
     pub heat_share: f64,
-    /// Whether grains of several stopping times are solved together with the gas that they share.
+    /// Whether grains of several stopping times, and bodies, are solved together with the gas that they share.
     pub mixtures: bool,
     /// Error of the splitting that base steps keep to; `None`: they do not depend on it.
     pub tolerance: Option<f64>,

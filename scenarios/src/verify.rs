@@ -302,7 +302,11 @@ pub const PROBLEMS: &[Problem] = &[
         "cold gas that meets in a point of the plane (Noh 1987)",
         gas::noh::plane,
     ),
-    of_scheme("gas-noh-3d", "the same in space", gas::noh::space),
+    of_scheme(
+        "gas-noh-3d",
+        "the same in space, at three distances of the particles; about 5 minutes",
+        gas::noh::space,
+    ),
     of_scheme(
         "gas-sedov",
         "blast in cold gas, 265 302 particles (Sedov 1959)",

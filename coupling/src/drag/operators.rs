@@ -131,6 +131,8 @@ pub struct DustDrag {
     /// The law of bodies that take part.
     pub bodies: Option<StoppingLaw>,
     fleet: Fleet,
+    /// Whether grains differ.
+    differ: bool,
     /// Dust, and bodies after all dust.
     active: Vec<u32>,
     steps: Vec<f64>,
@@ -144,6 +146,7 @@ impl DustDrag {
             tolerance: None,
             bodies: None,
             fleet: Fleet::default(),
+            differ: false,
             active: Vec::new(),
             steps: Vec::new(),
         }
@@ -253,12 +256,13 @@ impl Operator for DustDrag {
         system.list_active_dust(&mut self.active);
         limit(&mut self.exchange, system);
         if system.clock.synchronous() {
-            let beside = self.bodies.is_some() && !system.bodies.is_empty();
-            let differ = beside || are_several(&system.dust.particles);
-            self.exchange.settings.several = self.mixtures && differ;
+            self.differ = are_several(&system.dust.particles);
         }
+        let bodies = self.bodies.filter(|_| system.bodies_active());
+        let beside = bodies.is_some() && !system.bodies.is_empty();
+        self.exchange.settings.several = self.mixtures && (self.differ || beside);
         let (exchange, domain) = (&mut self.exchange, system.domain);
-        if let Some(law) = self.bodies.filter(|_| system.bodies_active()) {
+        if let Some(law) = bodies {
             self.fleet.list(system);
             let first = system.dust.len() as u32;
             let places = self.fleet.places.iter().map(|i| first + i);

@@ -51,7 +51,7 @@ fn exact(s: f64, t: f64) -> [f64; 3] {
     std::array::from_fn(|n| w[n] / root[n])
 }
 
-fn scene(s: f64) -> String {
+fn scene(s: f64, mixtures: bool) -> String {
     let n = EDGE.pow(3) as f64;
     let lattice = format!(
         "lo = [0, 0, 0]\nhi = [1, 1, 1]\nlattice = \"cubic\"\nspacing = {}\n",
@@ -79,7 +79,7 @@ fn scene(s: f64) -> String {
          [[dust.block]]\n{lattice}density = {}\nvelocity = [{}, 0, 0]\n\
          [dust.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = {:e}\n\
          [planetesimals.drag]\nlaw = \"constant-stopping-time\"\nstopping_time = {:e}\n\
-         [gravity]\nmethod = \"none\"\n{bodies}",
+         [gravity]\nmethod = \"none\"\n[coupling]\nmixtures = {mixtures}\n{bodies}",
         1.0 / STEPS as f64,
         DENSITY[0],
         DENSITY[1],
@@ -89,9 +89,9 @@ fn scene(s: f64) -> String {
     )
 }
 
-/// Largest error of a velocity, base steps, and the books at the end.
-fn run(s: f64) -> (f64, u64, Report) {
-    let mut trial = Trial::new(&scene(s), &[], |_| {})
+/// Largest error of a velocity, base steps, and the books at the end, where dust and bodies exchange at once or one after the other.
+fn run(s: f64, at_once: bool) -> (f64, u64, Report) {
+    let mut trial = Trial::new(&scene(s, at_once), &[], |_| {})
         .unwrap_or_else(|refusal| panic!("a built-in scene: {refusal}"));
     let stops: Vec<f64> = (0..=STEPS).map(|k| k as f64 / STEPS as f64).collect();
     let (mut worst, mut steps, mut books) = (0.0f64, 0, None);
@@ -121,7 +121,7 @@ fn run(s: f64) -> (f64, u64, Report) {
 }
 
 fn of(s: f64) -> Vec<Row> {
-    let (worst, steps, books) = run(s);
+    let (worst, steps, books) = run(s, true);
     let row = |what: &str, value, bar| Row::new(format!("K {s:e}: {what}"), value, bar);
     vec![
         row("velocities", worst, Bar::Limit([1e-10, 1e-3])),
@@ -132,7 +132,12 @@ fn of(s: f64) -> Vec<Row> {
 }
 
 pub fn rows() -> Vec<Row> {
-    SCALES.into_iter().flat_map(of).collect()
+    let mut rows: Vec<Row> = SCALES.into_iter().flat_map(of).collect();
+    rows.extend([1.0, 1e3].map(|s| {
+        let what = format!("K {s:e}, dust and bodies one after the other: velocities");
+        Row::new(what, run(s, false).0, Bar::None)
+    }));
+    rows
 }
 
 #[cfg(test)]
@@ -160,7 +165,7 @@ mod tests {
     #[test]
     fn an_exchange_of_three_components_is_exact() {
         for s in [1.0, 1e3, 1e12] {
-            let (worst, steps, books) = run(s);
+            let (worst, steps, books) = run(s, true);
             // Rounding of some twenty steps; 2e-2 if dust and bodies exchange one after the other.
             assert!(worst < 1e-13, "{s:e}: {worst:e}");
             assert_eq!(steps, STEPS as u64);
