@@ -14,6 +14,7 @@
 //! now and its kick is not; whether kick or drag is done first does not matter. The half step's kick itself is done elsewhere.
 
 mod block;
+mod bodies;
 mod booking;
 mod bundles;
 mod course;
@@ -34,11 +35,12 @@ use gas::probe::Reach;
 use nbody::points::{Clock, Domain, Vec3};
 use rayon::prelude::*;
 
+pub use bodies::BodyDrag;
 pub use booking::{Booking, Change};
 pub use dust::{Ambient, StoppingLaw};
 pub use immersed::{BodiesInGas, Grains, Immersed, Star};
 pub use mixed::Mixed;
-pub use operators::{BodyDrag, DustDrag};
+pub use operators::DustDrag;
 pub use prescribed::{DustInDisk, Ties};
 
 use block::Block;

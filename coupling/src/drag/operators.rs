@@ -1,17 +1,16 @@
-//! Drag as operators of a step: of dust in gas, and of bodies in gas.
+//! Drag of dust in gas as an operator of a step, and of bodies with it.
 
-use dust::{Dust, Superparticles};
+use dust::Superparticles;
+use gas::Hydro;
 use gas::probe::Reach;
-use gas::{Gas, Hydro};
 use nbody::points::{Columns, Fault, Vec3};
 
+use super::bodies::{Fleet, with_bodies};
 use super::course::Course;
 use super::row::Row;
-use super::{BodiesInGas, Booking, Exchange, Grains, Half, Mixed, Settings, Star, StoppingLaw};
+use super::{Booking, Exchange, Grains, Half, Mixed, Settings, Star, StoppingLaw};
 use crate::System;
 use crate::operator::{Meter, Operator, Phase};
-
-const PLANET: u32 = nbody::Kind::Planet as u32;
 
 /// Immersed particles look for gas within this many of the largest smoothing lengths of the gas.
 const FARTHEST: f64 = 2.0;
@@ -26,7 +25,12 @@ const HEAVY: f64 = 0.1;
 /// Grains that differ by less are of one kind.
 const ALIKE: f64 = 1e-3;
 
-fn exchange(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Exchange {
+pub(super) fn exchange(
+    law: StoppingLaw,
+    hydro: &Hydro,
+    feedback: bool,
+    heat_share: f64,
+) -> Exchange {
     let reach = Reach {
         neighbours: hydro.neighbours,
         largest: 1.0,
@@ -50,7 +54,7 @@ fn are_several(dust: &Superparticles) -> bool {
 }
 
 /// Limits the search for gas to where gas is.
-fn limit(exchange: &mut Exchange, system: &System) {
+pub(super) fn limit(exchange: &mut Exchange, system: &System) {
     let largest = system.gas.particles.h.iter().copied().fold(0.0, f64::max);
     exchange.settings.reach.largest = FARTHEST * largest;
 }
@@ -66,59 +70,6 @@ pub(super) fn book(system: &mut System, booking: &Booking, feedback: bool) {
         lost.kinetic += booking.gas.kinetic;
     }
     system.ledger.lopsided += booking.plain as u64;
-}
-
-/// The bodies that take part in an exchange.
-#[derive(Default)]
-struct Fleet {
-    /// places, so that neighbours in the list are neighbours in space
-    places: Vec<u32>,
-    /// Places of the planets, and their velocities before an exchange.
-    planets: Vec<(usize, Vec3)>,
-}
-
-impl Fleet {
-    fn list(&mut self, system: &mut System) {
-        let x: &[Vec3] = &system.bodies.x;
-        self.places.clear();
-        self.places.extend(0..x.len() as u32);
-        let cube = nbody::points::sort::Cube::around(x);
-        self.places.sort_by_cached_key(|&i| cube.key(x[i as usize]));
-        system.bodies.h.resize(self.places.len(), 0.0);
-    }
-
-    fn remember(&mut self, system: &System) {
-        self.planets.clear();
-        let planets = (0..system.bodies.len()).filter(|&i| system.bodies.kind[i] == PLANET);
-        self.planets
-            .extend(planets.map(|i| (i, system.bodies.v[i])));
-    }
-
-    /// Books how planets were braked, and shows the bodies as they are now.
-    fn settle(&self, system: &mut System) {
-        for &(i, before) in &self.planets {
-            let impulse = system.bodies.m[i] * (system.bodies.v[i] - before);
-            system.braked.add(system.bodies.id[i], impulse);
-        }
-        system.look();
-    }
-}
-
-/// Does something with the bodies of a system as particles in gas, and gas and dust beside them.
-fn with_bodies<T>(
-    system: &mut System,
-    act: impl FnOnce(BodiesInGas, &mut Gas, &mut Dust) -> T,
-) -> T {
-    let star = Star::of(system);
-    let mut h = std::mem::take(&mut system.bodies.h);
-    let bodies = BodiesInGas {
-        bodies: &mut system.bodies,
-        h: &mut h,
-        star,
-    };
-    let answer = act(bodies, &mut system.gas, &mut system.dust);
-    system.bodies.h = h;
-    answer
 }
 
 /// Drag between dust and gas, and of bodies in the same exchange if they are to be solved together.
@@ -317,78 +268,5 @@ impl Operator for DustDrag {
             self.note(system);
         }
         Ok(true)
-    }
-}
-
-/// Drag between bodies and gas, at the bodies' ticks.
-pub struct BodyDrag {
-    exchange: Exchange,
-    fleet: Fleet,
-    steps: Vec<f64>,
-}
-
-impl BodyDrag {
-    pub fn new(law: StoppingLaw, hydro: &Hydro, feedback: bool, heat_share: f64) -> Self {
-        Self {
-            exchange: exchange(law, hydro, feedback, heat_share),
-            fleet: Fleet::default(),
-            steps: Vec::new(),
-        }
-    }
-
-    fn act(&mut self, system: &mut System, half: Half, step: f64) {
-        self.steps.clear();
-        self.steps.resize(self.fleet.places.len(), step);
-        self.fleet.remember(system);
-        let (exchange, steps, clock) = (&mut self.exchange, &self.steps, system.clock);
-        let reweighed = half == Half::Opening && system.reweighed;
-        let booking = with_bodies(system, |mut bodies, gas, _| {
-            exchange.act(gas, &mut bodies, steps, (half, &clock), reweighed)
-        });
-        book(system, &booking, self.exchange.settings.feedback);
-        self.fleet.settle(system);
-    }
-}
-
-impl Operator for BodyDrag {
-    fn name(&self) -> &'static str {
-        "drag bodies"
-    }
-
-    fn prepare(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<(), Fault> {
-        if !system.bodies_active() {
-            return Ok(());
-        }
-        meter.enter(Phase::Drag);
-        limit(&mut self.exchange, system);
-        self.fleet.list(system);
-        let (exchange, places, domain) = (&mut self.exchange, &self.fleet.places, system.domain);
-        with_bodies(system, |mut bodies, gas, _| {
-            exchange.prepare(gas, &mut bodies, places, &domain);
-        });
-        meter.count(self.fleet.places.len(), 0);
-        Ok(())
-    }
-
-    fn close(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
-        meter.enter(Phase::Drag);
-        let active = system.bodies_active();
-        if active {
-            self.act(
-                system,
-                Half::Closing,
-                system.closing(system.pace.begin, system.pace.span),
-            );
-        }
-        Ok(active)
-    }
-
-    fn open(&mut self, system: &mut System, meter: &mut dyn Meter) -> Result<bool, Fault> {
-        meter.enter(Phase::Drag);
-        let active = system.bodies_active();
-        if active {
-            self.act(system, Half::Opening, system.opening(system.pace.next_span));
-        }
-        Ok(active)
     }
 }
