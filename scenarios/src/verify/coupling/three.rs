@@ -117,7 +117,7 @@ fn run(s: f64, at_once: bool) -> (f64, u64, Report) {
         books = Some(*stop.books);
     });
     done.unwrap_or_else(|fault| panic!("a built-in problem: {fault}"));
-    (worst, u64::from(steps), books.expect("a stop"))
+    (worst, steps, books.expect("a stop"))
 }
 
 fn of(s: f64) -> Vec<Row> {
