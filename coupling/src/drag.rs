@@ -45,7 +45,7 @@ pub use prescribed::{DustInDisk, Ties};
 
 use block::Block;
 use group::RUN;
-use kinds::Kinds;
+use kinds::{Family, Kinds};
 use row::Row;
 use touched::Touched;
 
@@ -73,6 +73,8 @@ pub struct Settings {
     pub joint: bool,
     /// Whether particles differ in their stopping times in the same gas, so that what they do to each other through it is solved, too.
     pub several: bool,
+    /// Whether grains are all alike: then that is so only where bodies push the gas.
+    pub alike: bool,
 }
 
 impl Settings {
@@ -86,6 +88,7 @@ impl Settings {
             bound: false,
             joint: true,
             several: false,
+            alike: false,
         }
     }
 }
@@ -253,8 +256,8 @@ impl Exchange {
         if settings.feedback {
             if settings.several {
                 let steps = (steps, length, half);
-                let dimensions = domain.dimensions() as i32;
-                consider_kinds(blocks, &mut self.touched, (see, dimensions), steps);
+                let gas = (see, domain.dimensions() as i32);
+                consider_kinds(blocks, &mut self.touched, gas, (steps, settings.alike));
                 blocks.par_iter_mut().for_each(|block| block.spread(half));
             }
             match half {
@@ -293,7 +296,7 @@ fn consider_kinds(
     blocks: &mut [Block],
     touched: &mut Touched,
     (gas, dimensions): (&Gas, i32),
-    (steps, length, half): (&[f64], usize, Half),
+    ((steps, length, half), alike): ((&[f64], usize, Half), bool),
 ) {
     let own = |blocks: &mut [Block], pass: &(dyn Fn(&mut Block, &[f64]) + Sync)| {
         let both = blocks.par_iter_mut().zip(steps.par_chunks(length));
@@ -301,7 +304,7 @@ fn consider_kinds(
     };
     own(blocks, &|block, steps| block.find_kinds(steps, dimensions));
     let kinds = (blocks.iter()).fold(Kinds::default(), |all, block| all.with(block.kinds));
-    if kinds.count() < 2 {
+    if kinds.count() < 2 || alike && !kinds.has(Family::Bodies) {
         return;
     }
     own(blocks, &|block, steps| {

@@ -6,8 +6,8 @@
 //! over p of r_p G_p,
 //!     G_p = -sum_k c_k S_k (u_k + f_k / z_p) / (1 + sum_k c_k S_k),   c_k = x_k / (x_k + z_p),
 //! which solves a resolvent of the mixture in closed form, and a grain of kind k follows it by c_k G_p. From both is taken what they would be were
-//! all like k. Kinds are stopping times within a factor of two, of grains and of bodies each; the stiffest and the loosest are one each. Members that in
-//! a half step give no gas more than 1e-8 of what it has do not make a kind: planetesimals in the way of grains cost what they cost alone.
+//! all like k. Kinds are stopping times within a factor of two, of grains and of bodies each; the stiffest and the loosest are one each. What gives no
+//! gas more than a small part of what it has in a half step makes no kind: grains beside planetesimals that hardly push the gas cost what they cost alone.
 //! Loads are sums of |w|, so that no denominator vanishes.
 //! The poles: Caratheodory-Fejer approximation of exp on the negative axis of type (14, 14), error 6e-14 (Trefethen, Weideman & Schmelzer 2006, BIT 46, 653).
 
@@ -85,6 +85,11 @@ impl Kinds {
 
     pub fn count(self) -> usize {
         self.0.count_ones() as usize
+    }
+
+    /// Whether there are kinds of a family.
+    pub fn has(self, family: Family) -> bool {
+        self.0 >> (FAMILY * family as i32) & u64::from(u32::MAX) != 0
     }
 
     /// The number of a kind among these, if it is one of them.
@@ -166,6 +171,8 @@ mod tests {
         let bodies = [1e-9, f64::INFINITY].map(|x| Kinds::of(Family::Bodies, x));
         assert_eq!(bodies.map(|kind| all.number(kind)), [None; 2]);
         let both = bodies.into_iter().fold(all, Kinds::with);
+        assert!(both.has(Family::Bodies) && both.has(Family::Grains));
+        assert!(all.has(Family::Grains) && !all.has(Family::Bodies));
         assert_eq!(bodies.map(|kind| both.number(kind)), [4, 5].map(Some));
         assert_eq!(own(0.0), kinds[0]);
     }

@@ -212,6 +212,7 @@ impl Operator for DustDrag {
         let bodies = self.bodies.filter(|_| system.bodies_active());
         let beside = bodies.is_some() && !system.bodies.is_empty();
         self.exchange.settings.several = self.mixtures && (self.differ || beside);
+        self.exchange.settings.alike = !self.differ;
         let (exchange, domain) = (&mut self.exchange, system.domain);
         if let Some(law) = bodies {
             self.fleet.list(system);

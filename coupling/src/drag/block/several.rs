@@ -14,16 +14,21 @@ fn folds(row: &Row, step: f64) -> f64 {
     (step / row.t_stop).min(LARGEST)
 }
 
-/// Momentum that a row gives to the gas around in a half step, by that of this gas at the same speed, from which on it makes a kind.
-const LEAST: f64 = 1e-8;
+/// Momentum that a grain and a body give to the gas around in a half step, by that of this gas at the same speed, from which on they make a kind:
+/// what is lost is second order of that. Bodies' kinds cost the grains beside them several times what one kind of grains costs.
+const LEAST: [f64; 2] = [1e-8, 1e-5];
 
-/// The kind of a row with `x` e-foldings, where particles from `bodies` on are bodies.
-fn kind(row: &Row, bodies: u32, x: f64) -> Kinds {
-    let family = match row.i < bodies {
+/// What a row is, where particles from `bodies` on are bodies.
+fn family(row: &Row, bodies: u32) -> Family {
+    match row.i < bodies {
         true => Family::Grains,
         false => Family::Bodies,
-    };
-    Kinds::of(family, x)
+    }
+}
+
+/// The kind of a row with `x` e-foldings.
+fn kind(row: &Row, bodies: u32, x: f64) -> Kinds {
+    Kinds::of(family(row, bodies), x)
 }
 
 impl Block {
@@ -32,7 +37,8 @@ impl Block {
         let mut kinds = Kinds::default();
         for row in &self.rows {
             let x = folds(row, steps[row.place as usize]);
-            if row.m * x.min(1.0) > LEAST * row.rho * row.h.powi(dimensions) {
+            let least = LEAST[family(row, self.bodies) as usize];
+            if row.m * x.min(1.0) > least * row.rho * row.h.powi(dimensions) {
                 kinds = kinds.with(kind(row, self.bodies, x));
             }
         }
