@@ -1,6 +1,6 @@
 //! Mixed: dust and bodies that exchange with the gas at once.
 
-use dust::{Sphere, StoppingLaw};
+use dust::{Dust, Sphere, StoppingLaw};
 use nbody::points::Vec3;
 
 use super::immersed::{BodiesInGas, Grains, Immersed};
@@ -14,6 +14,17 @@ pub struct Mixed<'a> {
 }
 
 impl<'a> Mixed<'a> {
+    /// Dust, and bodies that have the law `law`, about the star of these.
+    pub fn new(dust: &'a mut Dust, bodies: BodiesInGas<'a>, law: StoppingLaw) -> Self {
+        let star = bodies.star;
+        let grains = Grains { dust, star };
+        Self {
+            grains,
+            bodies,
+            law,
+        }
+    }
+
     /// What its own population says of a particle.
     fn own<T>(
         &self,

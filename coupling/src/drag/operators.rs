@@ -167,13 +167,7 @@ impl DustDrag {
         let booking = if let Some(law) = self.bodies.filter(|_| system.bodies_active()) {
             self.fleet.remember(system);
             let booking = with_bodies(system, |bodies, gas, dust| {
-                let star = bodies.star;
-                let grains = Grains { dust, star };
-                let mut mixed = Mixed {
-                    grains,
-                    bodies,
-                    law,
-                };
+                let mut mixed = Mixed::new(dust, bodies, law);
                 exchange.act(gas, &mut mixed, steps, (half, &clock), reweighed)
             });
             self.fleet.settle(system);
@@ -221,13 +215,7 @@ impl Operator for DustDrag {
             self.active.extend(places);
             let active = &self.active;
             with_bodies(system, |bodies, gas, dust| {
-                let star = bodies.star;
-                let grains = Grains { dust, star };
-                let mut mixed = Mixed {
-                    grains,
-                    bodies,
-                    law,
-                };
+                let mut mixed = Mixed::new(dust, bodies, law);
                 exchange.prepare(gas, &mut mixed, active, &domain);
             });
         } else {
