@@ -26,6 +26,7 @@ mod mixed;
 mod operators;
 mod prescribed;
 mod relaxation;
+mod response;
 mod row;
 mod slots;
 mod touched;

@@ -14,7 +14,7 @@ use nbody::points::{Domain, Vec3};
 
 use super::bundles::Bundles;
 use super::group::{Cell, Member, RUN, cut};
-use super::kinds::{Kinds, Sums};
+use super::kinds::{ByKind, Kinds};
 use super::loose::Loose;
 use super::row::{Outcome, Row, Wind};
 use super::slots::Slots;
@@ -88,7 +88,7 @@ pub struct Block {
     coming: Vec<Parcel>,
     /// Where grains differ: the kinds there are, and what each has at each slot.
     pub kinds: Kinds,
-    pub by_kind: Vec<Sums>,
+    pub by_kind: ByKind,
     /// by place: smoothing length of the gas around and the time to cross it; what the exchange did; and what the members ask for
     around: Vec<[f64; 2]>,
     outcome: Vec<Outcome>,

@@ -5,7 +5,7 @@ use gas::probe::{Bundle, Candidates, Lanes, Reach, Rows};
 use nbody::points::{Domain, Vec3};
 
 use super::group::RUN;
-use super::kinds::Sums;
+use super::kinds::{ByKind, Sums};
 use super::{ABSOLUTE, Both, Parcel};
 
 /// Rows from `row` on, those in the lanes `served` alone, with the weights `start..end` by their sums.
@@ -146,14 +146,9 @@ impl Bundles {
         }
     }
 
-    /// Adds w times what each row gives, |w| times the last of each four columns, to the column of its kind, one of `kinds` of each slot.
-    pub fn spread_kinds(
-        &self,
-        of: impl Fn(usize) -> (usize, Sums),
-        kinds: usize,
-        sums: &mut [Sums],
-    ) {
-        nbody::widest!(Level::new(), simd => self.spread_kinds_lanes(simd, &of, kinds, sums));
+    /// Adds w times what each row gives, |w| times the last of each four columns, to those of its kind at the slots.
+    pub fn spread_kinds(&self, of: impl Fn(usize) -> (usize, Sums), sums: &mut ByKind) {
+        nbody::widest!(Level::new(), simd => self.spread_kinds_lanes(simd, &of, sums));
     }
 
     #[inline(always)]
@@ -161,18 +156,19 @@ impl Bundles {
         &self,
         simd: S,
         of: &impl Fn(usize) -> (usize, Sums),
-        kinds: usize,
-        sums: &mut [Sums],
+        sums: &mut ByKind,
     ) {
         let unsigned = mask64x8::from_bitmask(simd, UNSIGNED);
         for lot in &self.lots {
             let mut given = [(0, f64x8::splat(simd, 0.0)); RUN];
+            let mut added = 1;
             for lane in lot.lanes() {
                 let (kind, own) = of(lot.row + lane);
+                added |= 1 << kind;
                 given[lane] = (kind, f64x8::from_slice(simd, &own) * lot.norm[lane]);
             }
             for (weight, &slot) in self.weights(lot) {
-                let sums = &mut sums[slot as usize * kinds..][..kinds];
+                let sums = sums.with(slot as usize, added);
                 for (&w, &(kind, given)) in weight.iter().zip(&given) {
                     let part = given * w;
                     let part = unsigned.select(part.abs(), part);
@@ -183,14 +179,14 @@ impl Bundles {
         }
     }
 
-    /// The columns of each row's kind, at it.
+    /// The columns of each row's kind, at it; the field is by place, that of each slot.
     pub fn seen_kinds(
         &self,
         of: impl Fn(usize) -> usize,
-        (kinds, field): (usize, &[Sums]),
+        field: (&[u32], &ByKind),
         seen: &mut [Sums],
     ) {
-        nbody::widest!(Level::new(), simd => self.gather_kinds(simd, &of, (kinds, field), seen));
+        nbody::widest!(Level::new(), simd => self.gather_kinds(simd, &of, field, seen));
     }
 
     #[inline(always)]
@@ -198,7 +194,7 @@ impl Bundles {
         &self,
         simd: S,
         of: &impl Fn(usize) -> usize,
-        (kinds, field): (usize, &[Sums]),
+        (place, field): (&[u32], &ByKind),
         seen: &mut [Sums],
     ) {
         for lot in &self.lots {
@@ -207,7 +203,7 @@ impl Bundles {
                 sums[lane].0 = of(lot.row + lane);
             }
             for (weight, &slot) in self.weights(lot) {
-                let field = &field[slot as usize * kinds..][..kinds];
+                let field = field.at(place[slot as usize] as usize);
                 for (&w, (kind, sum)) in weight.iter().zip(&mut sums) {
                     let w = f64x8::splat(simd, w);
                     *sum = w.mul_add(f64x8::from_slice(simd, &field[*kind]), *sum);

@@ -5,7 +5,7 @@ use gas::probe::{Shape, Weights};
 use nalgebra::Matrix3;
 use nbody::points::Vec3;
 
-use super::kinds::Sums;
+use super::kinds::{ByKind, Sums};
 use super::{ABSOLUTE, Both, Parcel};
 
 /// What a rigid shape adds to the weights.
@@ -190,18 +190,13 @@ impl Loose {
         }
     }
 
-    /// Adds w times what each row gives, |w| times the last of each four columns, to the column of its kind, one of `kinds` of each slot. Rigid shapes
+    /// Adds w times what each row gives, |w| times the last of each four columns, to those of its kind at the slots. Rigid shapes
     /// act as if they did not turn.
-    pub fn spread_kinds(
-        &self,
-        of: impl Fn(usize) -> (usize, Sums),
-        kinds: usize,
-        sums: &mut [Sums],
-    ) {
+    pub fn spread_kinds(&self, of: impl Fn(usize) -> (usize, Sums), sums: &mut ByKind) {
         for own in &self.own {
             let (kind, given) = of(own.row);
             for (slot, w) in self.pairs(own) {
-                let sums = sums[slot * kinds + kind].iter_mut().zip(given);
+                let sums = sums.with(slot, 1 << kind)[kind].iter_mut().zip(given);
                 for (k, (sum, given)) in sums.enumerate() {
                     *sum += if k % 4 == ABSOLUTE { w.abs() } else { w } * given;
                 }
@@ -209,18 +204,18 @@ impl Loose {
         }
     }
 
-    /// The columns of each row's kind, at it.
+    /// The columns of each row's kind, at it; the field is by place, that of each slot.
     pub fn seen_kinds(
         &self,
         of: impl Fn(usize) -> usize,
-        (kinds, field): (usize, &[Sums]),
+        (place, field): (&[u32], &ByKind),
         seen: &mut [Sums],
     ) {
         for own in &self.own {
             let kind = of(own.row);
             for (slot, w) in self.pairs(own) {
                 let seen = seen[own.row].iter_mut();
-                seen.zip(field[slot * kinds + kind])
+                seen.zip(field.at(place[slot] as usize)[kind])
                     .for_each(|(sum, value)| *sum += w * value);
             }
         }

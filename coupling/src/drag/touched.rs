@@ -1,15 +1,22 @@
 //! Touched gas: the gas particles that have pairs, and the sums over the blocks that they are in.
 
+use fearless_simd::Level;
 use gas::Gas;
 use gas::lean::Coming;
 use nbody::points::{Clock, Domain};
 use rayon::prelude::*;
 
 use super::block::Block;
-use super::kinds::{Sums, respond};
+use super::kinds::{ByKind, Sums, numbers};
+use super::response::{ABREAST, Columns, respond};
 use super::{Booking, Both, Half, Parcel, Settings, Vec3};
 
 const NOWHERE: u32 = u32::MAX;
+
+/// How many of those that are present, a bit each, come before a kind.
+fn below(kind: usize, present: u64) -> usize {
+    (present & ((1 << kind) - 1)).count_ones() as usize
+}
 
 #[derive(Clone, Debug, Default)]
 pub struct Touched {
@@ -31,7 +38,7 @@ pub struct Touched {
     /// and of these with those of the other half of the step.
     both: Vec<Both>,
     /// What each kind of grains has at each gas particle, and then how both respond.
-    pub responses: Vec<Sums>,
+    pub responses: ByKind,
 }
 
 impl Touched {
@@ -100,28 +107,57 @@ impl Touched {
         self.both = sums;
     }
 
-    /// Adds up what each of `kinds` kinds of grains has at the gas, and lets them respond.
+    /// Adds up what each of `kinds` kinds has at the gas, and lets them respond.
     pub fn respond(&mut self, blocks: &[Block], gas: &Gas, kinds: usize) {
         let mut responses = std::mem::take(&mut self.responses);
-        responses.clear();
-        responses.resize(self.gas.len() * kinds, [0.0; 8]);
-        let (entries, start, places) = (&self.entries, &self.start, &self.gas);
-        responses
-            .par_chunks_mut(kinds)
-            .enumerate()
-            .with_min_len(256)
-            .for_each(|(t, own)| {
-                for &(block, slot) in &entries[start[t] as usize..start[t + 1] as usize] {
-                    let parts = &blocks[block as usize].by_kind[slot as usize * kinds..][..kinds];
-                    for (sums, part) in own.iter_mut().zip(parts) {
-                        (0..8).for_each(|k| sums[k] += part[k]);
+        responses.clear(self.gas.len(), kinds);
+        let runs = responses.runs(ABREAST);
+        runs.zip(self.gas.par_chunks(ABREAST).enumerate())
+            .with_min_len(32)
+            .for_each_init(
+                || (Vec::new(), Vec::new()),
+                |(sums, columns), (own, (run, gas_of_run))| {
+                    let first = run * ABREAST;
+                    let present = (self.parts(blocks, first, gas_of_run.len()))
+                        .fold(0, |all, (parts, slot)| all | parts.present(slot));
+                    // All lanes have a place for what is at any.
+                    columns.clear();
+                    columns.resize(present.count_ones() as usize, Columns::default());
+                    for (lane, &j) in gas_of_run.iter().enumerate() {
+                        sums.clear();
+                        sums.resize(columns.len(), Sums::default());
+                        for (parts, slot) in self.parts(blocks, first + lane, 1) {
+                            for (kind, part) in parts.there(slot) {
+                                let sums = &mut sums[below(kind, present)];
+                                (0..8).for_each(|k| sums[k] += part[k]);
+                            }
+                        }
+                        let inverse = 1.0 / gas.particles.m[j as usize];
+                        for (columns, sums) in columns.iter_mut().zip(&*sums) {
+                            (0..8).for_each(|k| columns[k][lane] = inverse * sums[k]);
+                        }
                     }
-                }
-                let inverse = 1.0 / gas.particles.m[places[t] as usize];
-                own.iter_mut().flatten().for_each(|x| *x *= inverse);
-                respond(own);
-            });
+                    nbody::widest!(Level::new(), simd => respond(simd, columns));
+                    for (lane, own) in own.chunks_mut(kinds).enumerate() {
+                        for (kind, columns) in numbers(present).zip(&*columns) {
+                            own[kind] = columns.map(|column| column[lane]);
+                        }
+                    }
+                },
+            );
         self.responses = responses;
+    }
+
+    /// Of each of the blocks that gas particles `first..first + count` are in, what its kinds have and where that is.
+    fn parts<'a>(
+        &self,
+        blocks: &'a [Block],
+        first: usize,
+        count: usize,
+    ) -> impl Iterator<Item = (&'a ByKind, usize)> {
+        let entries = self.start[first] as usize..self.start[first + count] as usize;
+        let entries = self.entries[entries].iter();
+        entries.map(|&(block, slot)| (&blocks[block as usize].by_kind, slot as usize))
     }
 
     /// Adds up a number of columns of all slots of a gas particle, by its mass.

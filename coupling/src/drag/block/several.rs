@@ -2,7 +2,7 @@
 
 use super::{Block, SCRATCH, Scratch, empty, vector};
 use crate::drag::Half;
-use crate::drag::kinds::{Family, Kinds, LARGEST, Sums};
+use crate::drag::kinds::{ByKind, Family, Kinds, LARGEST, Sums};
 use crate::drag::row::Row;
 
 /// The largest load with which the response is taken whole. Of scattered grains kinds see different means of the gas around, and gas that is light
@@ -47,8 +47,8 @@ impl Block {
 
     /// Spreads over the slots, by kind, what rows have at the start of their half step.
     pub fn spread_kinds(&mut self, kinds: Kinds, (steps, half): (&[f64], Half)) {
-        let (count, bodies) = (kinds.count(), self.bodies);
-        empty(&mut self.by_kind, self.gas.len() * count, [0.0; 8]);
+        let bodies = self.bodies;
+        self.by_kind.clear(self.gas.len(), kinds.count());
         let of = |row: usize| {
             let row = &self.rows[row];
             let x = folds(row, steps[row.place as usize]);
@@ -59,17 +59,14 @@ impl Block {
             let number = kinds.number(kind(row, bodies, x));
             number.map_or((0, Sums::default()), |number| (number, sums))
         };
-        self.bundles.spread_kinds(of, count, &mut self.by_kind);
-        self.loose.spread_kinds(of, count, &mut self.by_kind);
+        self.bundles.spread_kinds(of, &mut self.by_kind);
+        self.loose.spread_kinds(of, &mut self.by_kind);
     }
 
     /// Lets the rows respond to what others do differently; `responses` are those of the touched gas. What they are to give in the other half of a step
     /// follows as far as the response lasts.
-    pub fn respond(&mut self, kinds: Kinds, (steps, half): (&[f64], Half), responses: &[Sums]) {
-        let (count, bodies) = (kinds.count(), self.bodies);
-        for (own, &place) in self.by_kind.chunks_mut(count).zip(&self.place) {
-            own.copy_from_slice(&responses[place as usize * count..][..count]);
-        }
+    pub fn respond(&mut self, kinds: Kinds, (steps, half): (&[f64], Half), responses: &ByKind) {
+        let bodies = self.bodies;
         SCRATCH.with_borrow_mut(|Scratch { seen, .. }| {
             empty(seen, self.rows.len(), [0.0; 8]);
             let own = |row: &Row| {
@@ -77,7 +74,7 @@ impl Block {
                 kinds.number(kind(row, bodies, x))
             };
             let of = |row: usize| own(&self.rows[row]).unwrap_or(0);
-            let field = (count, self.by_kind.as_slice());
+            let field = (self.place.as_slice(), responses);
             self.bundles.seen_kinds(of, field, seen);
             self.loose.seen_kinds(of, field, seen);
             for (row, seen) in self.rows.iter().zip(&mut *seen) {
