@@ -161,6 +161,7 @@ impl Bundles {
         let unsigned = mask64x8::from_bitmask(simd, UNSIGNED);
         for lot in &self.lots {
             let mut given = [(0, f64x8::splat(simd, 0.0)); RUN];
+            // What has no kind gives nothing to the first.
             let mut added = 1;
             for lane in lot.lanes() {
                 let (kind, own) = of(lot.row + lane);

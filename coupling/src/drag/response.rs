@@ -106,9 +106,9 @@ struct Kind<S: Simd> {
 fn average<S: Simd>(simd: S, sums: &mut Columns) {
     let load = f64x8::from_slice(simd, &sums[3]);
     let none = f64x8::splat(simd, 0.0);
-    let inverse = load
-        .simd_gt(0.0)
-        .select(f64x8::splat(simd, 1.0) / load, none);
+    // What has hardly a load at all has no inverse.
+    let there = load.simd_gt(f64::MIN_POSITIVE);
+    let inverse = there.select(f64x8::splat(simd, 1.0) / load, none);
     for column in [0, 1, 2, 4, 5, 6, 7] {
         (f64x8::from_slice(simd, &sums[column]) * inverse).store_slice(&mut sums[column]);
     }
@@ -141,7 +141,7 @@ impl<S: Simd> Kind<S> {
     #[inline(always)]
     fn pull(&self, inverse: Complex<f64>, axis: usize) -> Complexes<S> {
         Complexes {
-            re: (self.f[axis] * inverse.re) + self.u[axis],
+            re: self.f[axis] * inverse.re + self.u[axis],
             im: self.f[axis] * inverse.im,
         }
     }
@@ -201,7 +201,30 @@ pub fn respond<S: Simd>(simd: S, kinds: &mut [Columns]) {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::Level;
+
     use super::*;
+
+    #[test]
+    fn answers_are_finite_at_any_load_and_zero_where_a_kind_is_not() {
+        let loads = [0.0, 1e-310, 1e-290, 1e-12, 1.0, 1e6, 1e12, 1e30];
+        for folds in [0.0, 1e-30, 1.0, 1e30] {
+            // A kind with these loads beside one that is everywhere.
+            let kind = |loads: [f64; ABREAST], u: f64, x: f64| -> Columns {
+                [u, -u, 0.0, 1.0, u, 0.0, u, x].map(|mean| loads.map(|load| mean * load))
+            };
+            let mut kinds = [kind(loads, 3.0, folds), kind([0.5; ABREAST], -1.0, 2.0)];
+            nbody::widest!(Level::new(), simd => respond(simd, &mut kinds));
+            assert!(
+                kinds
+                    .as_flattened()
+                    .as_flattened()
+                    .iter()
+                    .all(|x| x.is_finite())
+            );
+            assert!(kinds[0].iter().all(|column| column[0] == 0.0));
+        }
+    }
 
     #[test]
     fn the_poles_make_an_exponential() {
