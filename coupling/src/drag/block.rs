@@ -105,6 +105,9 @@ fn vector(columns: &[f64], first: usize) -> Vec3 {
 /// How far beyond its last neighbourhood a particle first looks, by its radius.
 const MARGIN: f64 = 1.1;
 
+/// Members without a smoothing length begin with that of another within so many of it.
+const NEAR: f64 = 0.5;
+
 /// Fewest members that are bundled.
 const FEWEST: usize = 4;
 
@@ -157,15 +160,20 @@ impl Block {
         scratch.velocity.clear();
         let first = members.first().map(|&i| immersed.position(i as usize));
         scratch.origin = first.unwrap_or_default();
+        // The last that was looked for, and its smoothing length.
+        let mut found: Option<(Vec3, f64)> = None;
         for (&i, place) in members.iter().zip(0..) {
             let (x, mut h) = (
                 immersed.position(i as usize),
                 immersed.smoothing(i as usize),
             );
             if h <= 0.0 {
+                let near = found.filter(|&(y, h)| domain.nearest(x - y).norm() <= NEAR * h);
                 let weights = &mut scratch.weights;
-                weights.find(&mut scratch.own, gas, domain, (x, h), reach);
-                h = weights.h;
+                (_, h) = *found.insert(near.unwrap_or_else(|| {
+                    weights.find(&mut scratch.own, gas, domain, (x, h), reach);
+                    (x, weights.h)
+                }));
             }
             let from = x - scratch.origin;
             let nearest = domain.nearest(from);
