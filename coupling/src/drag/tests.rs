@@ -494,3 +494,30 @@ fn the_same_bits_come_out_for_any_number_of_threads() {
     let one = run(1);
     assert!(run(2) == one && run(7) == one);
 }
+
+#[test]
+fn grains_that_know_nothing_find_what_they_would_find_alone() {
+    // Some are in the gas, some at its edges, some far out.
+    let gas = gas(lattice(12, 0.5), 1.0, |_| Vec3::zeros());
+    let places: Vec<Vec3> = scattered(30_000, 20.0, 0.3);
+    let smoothing = |x: Vec<Vec3>| {
+        let mut dust = dust(x, 1e-3, |_| Vec3::zeros());
+        let active: Vec<u32> = (0..dust.len() as u32).collect();
+        let mut grains = Grains {
+            dust: &mut dust,
+            star: Star::default(),
+        };
+        let mut exchange = Exchange::new(constant(1.0));
+        exchange.prepare(&gas, &mut grains, &active, &Domain::open());
+        dust.particles.h
+    };
+    let mut sorted = places;
+    let cube = nbody::points::sort::Cube::around(&sorted);
+    sorted.sort_by_cached_key(|&x| cube.key(x));
+    let together = smoothing(sorted.clone());
+    for (&x, h) in sorted.iter().zip(together).step_by(7) {
+        let alone = smoothing(vec![x])[0];
+        // The number of neighbours is wanted to 1e-3, and grows at least as h^3 as long as it is not reached.
+        assert!((h / alone - 1.0).abs() < 2e-3 / 3.0, "{x}: {h} for {alone}");
+    }
+}
