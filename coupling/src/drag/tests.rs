@@ -499,7 +499,6 @@ fn the_same_bits_come_out_for_any_number_of_threads() {
 fn grains_that_know_nothing_find_what_they_would_find_alone() {
     // Some are in the gas, some at its edges, some far out.
     let gas = gas(lattice(12, 0.5), 1.0, |_| Vec3::zeros());
-    let places: Vec<Vec3> = scattered(30_000, 20.0, 0.3);
     let smoothing = |x: Vec<Vec3>| {
         let mut dust = dust(x, 1e-3, |_| Vec3::zeros());
         let active: Vec<u32> = (0..dust.len() as u32).collect();
@@ -511,7 +510,7 @@ fn grains_that_know_nothing_find_what_they_would_find_alone() {
         exchange.prepare(&gas, &mut grains, &active, &Domain::open());
         dust.particles.h
     };
-    let mut sorted = places;
+    let mut sorted = scattered(30_000, 20.0, 0.3);
     let cube = nbody::points::sort::Cube::around(&sorted);
     sorted.sort_by_cached_key(|&x| cube.key(x));
     let together = smoothing(sorted.clone());
